@@ -105,7 +105,7 @@ fn a_bar_takes_hair_along() {
         roots = { center = [0, 0.1, 0], radius = 1e-3, direction = [0, -1, 0] }\n[rods]\ndamping = 20\n\
         [[body]]\nshape = \"capsule\"\nstart = [0, 0.05, -0.05]\nend = [0, 0.05, 0.05]\nradius = 0.01\n\
         motion = [{ time = 0, translation = [-0.11, 0, 0] }, { time = 0.07, translation = [0.03, 0, 0] }]\n";
-    for (late, asleep) in [("0.07", false), ("0.28", true)] {
+    for (late, sleeping) in [("0.07", false), ("0.28", true)] {
         let mut simulation = simulation(text, &[&format!("body.motion.1.time={late}")]);
         let (mut deepest, mut taken, mut stretch) = (0.0_f64, 0.0_f64, 0.0_f64);
         for _ in 0..250 {
@@ -118,7 +118,7 @@ fn a_bar_takes_hair_along() {
             stretch = x.windows(2).map(|w| (w[0].distance(w[1]) / 0.002 - 1.0).abs()).fold(stretch, f64::max);
         }
         let report = simulation.report().unwrap();
-        let slept = report.strand_steps.unwrap()["asleep_steps"] > 0;
+        let slept = report.strand_steps.unwrap()["sleeping_steps"] > 0;
         println!("stretch {stretch:.3}, reported {:.3}", report.max_stretch.unwrap());
         // Segments of 2 mm, pushed by 2.8 mm in a step: measured 1.8e-5; margin 4.
         assert!(stretch < 7e-5 && report.max_stretch.unwrap() < 7e-5, "stretched by {stretch}");
@@ -126,7 +126,7 @@ fn a_bar_takes_hair_along() {
         // A chord of 2 mm lies 5e-5 m below the surface; measured 5.1e-5 m; margin 8.
         assert!(deepest < 4e-4, "{deepest} m inside");
         assert!(taken > 0.045, "{taken}");
-        assert_eq!(slept, asleep);
+        assert_eq!(slept, sleeping);
     }
 }
 
@@ -137,7 +137,7 @@ fn hair_that_lies_sleeps_until_its_body_goes() {
     let mut simulation = simulation(DRAPED, &["time.step=4e-3", "rods.damping=8.0", motion]);
     simulation.step((7.9 / simulation.dt()) as u64).unwrap();
     let lying = points(&simulation.frame().unwrap().hair.positions);
-    let slept = simulation.report().unwrap().strand_steps.unwrap()["asleep_steps"];
+    let slept = simulation.report().unwrap().strand_steps.unwrap()["sleeping_steps"];
     simulation.step((1.0 / simulation.dt()) as u64).unwrap();
     let after = points(&simulation.frame().unwrap().hair.positions);
     println!("slept {slept} steps; tip at {:.3}, then at {:.3}", lying[40], after[40]);

@@ -107,14 +107,14 @@ fn a_body_wakes_what_it_reaches() {
         [[hair]]\nname = \"b\"\nstrands = 1\npoints = 11\nlength = 0.05\nroots = { center = [0.3, 0, 0], radius = 1e-6, direction = [0, -1, 0] }\n\
         [[body]]\ncenter = [-0.1, -0.04, 0]\nradius = 0.01\nmotion = [{ time = 3.0 }, { time = 3.2, translation = [0.12, 0, 0] }]\n";
     let mut simulation = start(text);
-    let asleep = |simulation: &mut Simulation| simulation.report().unwrap().strand_steps.unwrap()["asleep_steps"];
+    let sleeping = |simulation: &mut Simulation| simulation.report().unwrap().strand_steps.unwrap()["sleeping_steps"];
     simulation.step(740).unwrap();
-    let before = asleep(&mut simulation);
+    let before = sleeping(&mut simulation);
     simulation.step(5).unwrap();
-    assert_eq!(asleep(&mut simulation), before + 10, "hair at rest is awake");
+    assert_eq!(sleeping(&mut simulation), before + 10, "hair at rest is awake");
     let there = vectors(&simulation.frame().unwrap().hair.positions);
     simulation.step(50).unwrap();
-    let slept = asleep(&mut simulation) - before - 10;
+    let slept = sleeping(&mut simulation) - before - 10;
     let now = vectors(&simulation.frame().unwrap().hair.positions);
     println!("slept {slept} of 100 steps; the ball took the first {:.3} m along", now[10].distance(there[10]));
     assert!((50..95).contains(&slept), "slept {slept} of 100 steps");
@@ -284,7 +284,7 @@ fn anything_goes(scenes: std::ops::Range<u64>) {
         stretch = stretch.max(report.max_stretch.unwrap());
         let steps = report.strand_steps.unwrap();
         unsolved += steps["unsolved_steps"];
-        assert!(!report.warnings.contains_key("bad_strands"), "{number}: {:?}", report.warnings);
+        assert!(!report.warnings.contains_key("failed_strands"), "{number}: {:?}", report.warnings);
         (strands, deep) = (strands + 20, deep.max(deepest(&simulation, 2)));
     }
     println!(

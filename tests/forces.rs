@@ -96,14 +96,14 @@ fn callbacks_are_asked_before_each_step() {
 #[test]
 fn sleepers_wake_when_they_are_pushed() {
     let mut simulation = simulation(&["interaction.model=none", "hair.roots.direction=[0,-1,0]", "rods.damping=200"]);
-    let asleep = |simulation: &mut Simulation| {
+    let sleeping = |simulation: &mut Simulation| {
         simulation.step(400).unwrap();
-        let count = |simulation: &mut Simulation| simulation.report().unwrap().strand_steps.unwrap()["asleep_steps"];
+        let count = |simulation: &mut Simulation| simulation.report().unwrap().strand_steps.unwrap()["sleeping_steps"];
         let before = count(simulation);
         simulation.step(1).unwrap();
         count(simulation) - before
     };
-    let all_asleep = asleep(&mut simulation);
+    let all_asleep = sleeping(&mut simulation);
     assert!(all_asleep >= 12, "{all_asleep}");
     let before = simulation.frame().unwrap();
     let wind = all(&simulation, DVec3::X, DVec3::ZERO);
@@ -113,7 +113,7 @@ fn sleepers_wake_when_they_are_pushed() {
     let way =
         moved.hair.positions.iter().zip(&before.hair.positions).map(|(a, b)| (a[0] - b[0]).abs()).fold(0.0, f32::max);
     assert!(way > 1e-4, "{way} m");
-    assert_eq!(asleep(&mut simulation), all_asleep, "asleep under a force that lasts");
+    assert_eq!(sleeping(&mut simulation), all_asleep, "asleep under a force that lasts");
     let held = simulation.frame().unwrap();
     simulation.set_force(&Accelerations::default()).unwrap();
     simulation.step(20).unwrap();

@@ -103,9 +103,19 @@ fn wrong_constants_of_wind_turn_rows_red() {
         (&forcing::FRINGE, "GRIP: f32 = 10.0", "GRIP: f32 = 10.1", "wind"),
         (&forcing::MEAN_WIND, "status.step + 1u", "status.step + 2u", "wind"),
         (&forcing::FIELD_STRENGTHS, "status.step + 1u", "status.step + 2u", "force-fields"),
-        (&forcing::DRIVE_AIR, "-gale.rate * params.step", "-1.01 * gale.rate * params.step", "force-fields"),
+        (
+            &forcing::DRIVE_AIR,
+            "-force_field_velocity.rate * params.step",
+            "-1.01 * force_field_velocity.rate * params.step",
+            "force-fields",
+        ),
         (&forcing::DRIVE_AIR, "smoothstep(0.5", "smoothstep(0.4", "force-fields"),
-        (&rods::SAMPLE_FIELDS, "gale_at(air.position).wind", "1.01 * gale_at(air.position).wind", "force-fields"),
+        (
+            &rods::SAMPLE_FIELDS,
+            "field_velocity_at(air.position).wind",
+            "1.01 * field_velocity_at(air.position).wind",
+            "force-fields",
+        ),
         (&forcing::PUSH_AIR, "params.step * pushed", "1.01 * params.step * pushed", "set-force"),
         (&rods::PUSH_HAIR, "/ w * pushed[p].xyz", "/ w * 1.01 * pushed[p].xyz", "set-force"),
         (&rods::EXCLUDE_PUSH, "params.step * rod_points", "0.99 * params.step * rod_points", "set-force"),
@@ -115,7 +125,7 @@ fn wrong_constants_of_wind_turn_rows_red() {
 #[test]
 fn wrong_constants_of_strands_turn_rows_red() {
     turn_rows_red(&[
-        (&forcing::ROOTS, "part * key.travel", "1.001 * part * key.travel", "wind"),
+        (&forcing::ROOTS, "part * key.displacement", "1.001 * part * key.displacement", "wind"),
         (&rods::SOLVE, "l * axes[2] + now.strain", "0.99 * l * axes[2] + now.strain", "reference-rods"),
         (&rods::SOLVE, "momentum.xyz / momentum.w", "vec3f(1e-6)", "momentum"),
         (&rods::DRAG_IMPULSE, "params.step * (point.force", "1.01 * params.step * (point.force", "momentum"),

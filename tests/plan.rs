@@ -3,7 +3,7 @@
 
 mod support;
 
-use windswept::internals::{AnyArray, Decision, Engine, Plan, Recorder, Recording, Setup, Sharing, State, step};
+use windswept::internals::{Aliasing, AnyArray, Decision, Engine, Plan, Recorder, Recording, Setup, State, step};
 use windswept_scene::{InitialState, Scene};
 use windswept_shaders::{self as shaders, Operations};
 
@@ -192,7 +192,7 @@ fn what_is_left_out_changes_nothing() {
     let crowded = ["hair.friction=0", "hair.roots.radius=0.002", "hair.points=13"];
     same_bits(&crowded, |plan| plan.friction = runs());
     same_bits(&[], |plan| plan.deformation = runs());
-    same_bits(&[], Plan::mend_strands);
+    same_bits(&[], Plan::recover_strands);
 }
 
 /// Kinds of scenes whose buffers share memory: those above, and some whose passes read other buffers.
@@ -221,22 +221,22 @@ fn arrays_in_the_same_memory_are_not_needed_at_a_time() {
         let setup = Setup::new(&scene, &initial);
         let state = State::new(&setup.sizes());
         let (arrays, recordings) = (state.arrays(), recordings(&setup, &state));
-        let sharing = Sharing::of(&arrays, &recordings);
-        let overwritten = |sharing: &Sharing| recordings.iter().find_map(|recording| sharing.overwritten(recording));
-        assert_eq!(overwritten(&sharing), None, "{name}");
+        let aliasing = Aliasing::of(&arrays, &recordings);
+        let overwritten = |aliasing: &Aliasing| recordings.iter().find_map(|recording| aliasing.overwritten(recording));
+        assert_eq!(overwritten(&aliasing), None, "{name}");
         // Whatever the caller sets, one after another.
         let mut plan = Plan::new(&setup);
         for (blows, pushes) in [(true, false), (false, true), (false, false), (true, true)] {
             plan.set_wind(blows);
             plan.set_force(pushes);
             let recording = Recorder::record(&state, |r| step::record(r, &plan));
-            assert_eq!(sharing.overwritten(&recording), None, "{name}, a wind that blows: {blows}, a force: {pushes}");
+            assert_eq!(aliasing.overwritten(&recording), None, "{name}, a wind that blows: {blows}, a force: {pushes}");
         }
-        let (apart, shared) = (Sharing::none(&arrays).bytes(&arrays), sharing.bytes(&arrays));
+        let (apart, shared) = (Aliasing::none(&arrays).bytes(&arrays), aliasing.bytes(&arrays));
         println!("{name}: {shared} bytes of {apart}");
         assert!(shared < apart, "{name}: nothing is shared");
         // Shared as if no pass bound anything.
-        assert!(overwritten(&Sharing::of(&arrays, &[])).is_some(), "{name}: an overwritten array goes unseen");
+        assert!(overwritten(&Aliasing::of(&arrays, &[])).is_some(), "{name}: an overwritten array goes unseen");
     }
 }
 
@@ -284,15 +284,15 @@ fn sharing_memory_changes_nothing() {
             };
             let state = State::new(&setup.sizes());
             let mut arrays = state.arrays();
-            let sharing = Sharing::of(&arrays, &recordings(&setup, &state));
-            arrays.retain(|array| !sharing.is_alone(array));
+            let aliasing = Aliasing::of(&arrays, &recordings(&setup, &state));
+            arrays.retain(|array| !aliasing.is_alone(array));
             if changed_by(&arrays) {
                 arrays.retain(|array| changed_by(&[*array]));
                 let names: Vec<_> = arrays.iter().map(AnyArray::name).collect();
                 panic!("{name}: a pass reads what was in {names:?} before the step");
             }
         }
-        let shared = Engine::sharing(&gpu, &setup, |state| recordings(&setup, state)).unwrap();
+        let shared = Engine::aliasing(&gpu, &setup, |state| recordings(&setup, state)).unwrap();
         assert!(shared.memory_bytes() < apart().memory_bytes());
         assert!(steps(shared, &|_| {}) == clean, "{name}: sharing changes something");
     }

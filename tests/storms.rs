@@ -109,7 +109,7 @@ fn bits(engine: &Engine) -> [Vec<[f32; 4]>; 3] {
     [&s.position, &s.velocity, &s.orientation].map(|array| engine.read(array).unwrap())
 }
 
-/// The bits after so many steps in which all passes run that mend strands; `before` is called before each step.
+/// The bits after so many steps in which all passes run that recover strands; `before` is called before each step.
 fn bits_of_all_passes(
     scene: &Scene,
     initial: &InitialState,
@@ -118,7 +118,7 @@ fn bits_of_all_passes(
 ) -> [Vec<[f32; 4]>; 3] {
     let setup = Setup::new(scene, initial);
     let (engine, mut plan) = (Engine::new(&support::gpu(), &setup).unwrap(), Plan::new(&setup));
-    plan.mend_strands();
+    plan.recover_strands();
     let recording = Recorder::record(engine.state(), |r| step::record(r, &plan));
     for step in 0..steps {
         before(&engine, step);

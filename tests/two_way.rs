@@ -34,9 +34,9 @@ fn simulation(sets: &[&str], prepare: impl FnOnce(&mut InitialState)) -> Simulat
 }
 
 /// Number of strands that sleep now.
-fn asleep(simulation: &Simulation) -> usize {
+fn sleeping(simulation: &Simulation) -> usize {
     let strands = simulation.engine().read(&simulation.engine().state().strand_history).unwrap();
-    strands.iter().filter(|strand| strand.condition.still == SLEEPS).count()
+    strands.iter().filter(|strand| strand.condition.resting == SLEEPS).count()
 }
 
 /// Points from the root of their strand \[m\].
@@ -56,16 +56,16 @@ fn largest_gap(a: &[DVec3], b: &[DVec3]) -> f64 {
 fn hair_in_still_air_sleeps_until_the_wind_comes() {
     let mut simulation = simulation(&[], |_| {});
     simulation.step(200).unwrap();
-    assert_eq!(asleep(&simulation), 3, "after {:.2} s", simulation.time());
-    let sleeping = shapes(&simulation);
+    assert_eq!(sleeping(&simulation), 3, "after {:.2} s", simulation.time());
+    let shapes_asleep = shapes(&simulation);
     simulation.step(50).unwrap();
-    assert_eq!(asleep(&simulation), 3);
-    assert_eq!(shapes(&simulation), sleeping, "a sleeper moves");
+    assert_eq!(sleeping(&simulation), 3);
+    assert_eq!(shapes(&simulation), shapes_asleep, "a sleeper moves");
     simulation.set_wind(2.0 * DVec3::X).unwrap();
     simulation.step(15).unwrap();
-    let moved = largest_gap(&shapes(&simulation), &sleeping);
+    let moved = largest_gap(&shapes(&simulation), &shapes_asleep);
     println!("{moved:.4} m in 15 steps of wind");
-    assert_eq!(asleep(&simulation), 0);
+    assert_eq!(sleeping(&simulation), 0);
     assert!(moved > 5e-3, "{moved} m");
 }
 

@@ -6,7 +6,7 @@ use windswept::Gpu;
 
 /// The adapter, and the processor, which decides how fast a software adapter is and which texts it runs.
 pub(crate) fn machine(gpu: &Gpu) -> String {
-    format!("{}; texts {:?}; {}", gpu.info(), gpu.texts(), processor())
+    format!("{}; texts {:?}; {}", gpu.info(), gpu.variant(), processor())
 }
 
 /// The cores that this process may use and, on Linux, the processor's own name.

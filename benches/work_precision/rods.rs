@@ -52,9 +52,9 @@ const SOLVERS: &[Row] = &[
 /// Numbers of substeps to try.
 const SUBSTEPS: [u32; 4] = [1, 2, 4, 8];
 /// Largest product of sweeps and substeps where there are several substeps.
-const MOST_SWEEPS: u32 = 160;
+const MAX_SWEEPS: u32 = 160;
 /// Largest number of sweeps of many strands.
-const MOST_SWEEPS_OF_MANY: u32 = 20;
+const MAX_SWEEPS_OF_MANY: u32 = 20;
 
 /// Number of strands that are timed: the paper's.
 const STRANDS: usize = 550;
@@ -94,7 +94,7 @@ struct Setting {
 impl Setting {
     /// Whether many strands are timed with it.
     fn is_cheap(&self) -> bool {
-        self.substeps == 1 && (self.row.solver == Solver::Direct || self.iterations <= MOST_SWEEPS_OF_MANY)
+        self.substeps == 1 && (self.row.solver == Solver::Direct || self.iterations <= MAX_SWEEPS_OF_MANY)
     }
 
     fn apply(self, mut scene: Scene) -> Scene {
@@ -113,7 +113,7 @@ fn settings(bench: &Bench) -> Vec<Setting> {
     let mut all = Vec::new();
     for row in SOLVERS {
         for &substeps in bench.some(&SUBSTEPS) {
-            let few = |n: &&u32| substeps == 1 || row.solver == Solver::Direct || **n * substeps <= MOST_SWEEPS;
+            let few = |n: &&u32| substeps == 1 || row.solver == Solver::Direct || **n * substeps <= MAX_SWEEPS;
             let iterations = bench.some(row.iterations).iter().filter(few);
             all.extend(iterations.map(|&iterations| Setting { row, substeps, iterations }));
         }

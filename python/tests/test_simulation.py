@@ -309,7 +309,7 @@ def test_arrays_that_do_not_fit_are_named(sim):
 def test_the_report_is_the_commands(sim):
     sim.step(3)
     report = sim.report()
-    assert report["schema"] == 1 and report["steps"] == 3 and report["particles"]["hair"] == 48
+    assert report["schema"] == 2 and report["steps"] == 3 and report["particles"]["hair"] == 48
     assert report["ms_per_step"] > 0 and report["max_stretch"] >= 0
 
 

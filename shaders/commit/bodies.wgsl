@@ -26,6 +26,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let off = errors > LARGEST_ERROR * LARGEST_ERROR * beside;
     let steps = select(0u, status.off_steps + 1u, off);
     status.off_steps = steps;
-    let far = bitcast<f32>(atomicExchange(&status.way_beside, 0u)) > FAR;
+    let far = bitcast<f32>(atomicExchange(&status.path_beside, 0u)) > FAR;
     if far || f32(steps) * params.step > LONG { count(AIR_BESIDE); }
 }

@@ -3,9 +3,9 @@
 // the step is taken again with it. Also keeps which particle is in each slot of air, since `commit/air` writes that in a new order.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, cells::{is_air, cell_of, in_box},
-    sound::can_be,
+    validity::can_be,
     status::{
-        status, freeze, NEIGHBOUR_OVERFLOW, NON_FINITE_AIR, TOO_MANY_BAD_STRANDS, UNMENDED_STRAND,
+        status, freeze, NEIGHBOUR_OVERFLOW, NON_FINITE_AIR, TOO_MANY_BAD_STRANDS, UNRECOVERED_STRAND,
     },
 };
 
@@ -23,20 +23,20 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if air { air_id_before[slot] = air_id[slot]; }
     let bad = !can_be(predicted[i].xyz, final_velocity[i].xyz);
     let outside = !air && params.box_cells > 0u && !in_box(cell_of(predicted[i].xyz));
-    // The first particle speaks for all. Few others have something to say, and only those ask for the status.
+    // The first particle is_leader for all. Few others have something to say, and only those ask for the status.
     if !(i == 0u || bad || outside) { return; }
     if status.ended != 0u { return; }
     // Where an earlier pass froze the step, the scratch arrays mean nothing. Where this one found hair that is lost, the step is taken again
     // whatever else there is to find.
-    if (atomicLoad(&status.causes) & (NEIGHBOUR_OVERFLOW | UNMENDED_STRAND)) != 0u { return; }
-    if i == 0u && atomicLoad(&status.bad_strands) > params.bad_strand_limit {
+    if (atomicLoad(&status.causes) & (NEIGHBOUR_OVERFLOW | UNRECOVERED_STRAND)) != 0u { return; }
+    if i == 0u && atomicLoad(&status.failed_strands) > params.failed_strand_limit {
         freeze(TOO_MANY_BAD_STRANDS);
     }
     if outside {
         atomicAdd(&status.hair_outside, 1u);
     }
     if bad {
-        freeze(select(UNMENDED_STRAND, NON_FINITE_AIR, air));
+        freeze(select(UNRECOVERED_STRAND, NON_FINITE_AIR, air));
         if air { atomicMin(&status.first_bad_air, air_id[slot]); }
     }
 }

@@ -4,7 +4,7 @@
 // The turn between two frames is off by their rounding, which as a spin would kick the strand in every step: the direct solver keeps the
 // turn itself.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, conjugate, rotation_vector}, integration::{PUT, rate},
+    params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, conjugate, rotation_vector}, integration::{KINEMATIC, rate},
     rod::{RodStrand, RodSegment, SegmentHistory, StrandHistory, Root}, status::frozen,
 };
 
@@ -20,7 +20,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if (k >= params.segments) | frozen() { return; }
     let segment = rod_segments[k];
     let before = segment_history[k];
-    let anew = segment.scheme >= PUT;
+    let anew = segment.scheme >= KINEMATIC;
     let rotation = select(product(segment.frame, conjugate(segment.start)), segment.turn, params.direct_rods != 0u);
     let turn = select(rotation_vector(rotation), vec3f(0.0), anew);
     let spin = rate(turn, before.turn, segment.scheme);
@@ -29,7 +29,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     segment_history[k] = SegmentHistory(turn, spin, select(before.angular_velocity, vec3f(0.0), anew), rest_drift);
     orientation[k] = segment.frame;
     if k < params.strands {   // no more than segments
-        let root = Root(strand_history[k].root.position + rod_strands[k].root_travel, rod_strands[k].root_frame);
+        let root = Root(strand_history[k].root.position + rod_strands[k].root_displacement, rod_strands[k].root_frame);
         strand_history[k] = StrandHistory(root, rod_strands[k].pin_force, rod_strands[k].condition);
     }
 }

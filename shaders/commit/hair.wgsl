@@ -2,7 +2,7 @@
 // and what rounding leaves off the position. What was put somewhere starts anew, but for a sleeper's velocity of the step before:
 // what presses a sleeper all the time must not kick it when it wakes, and BDF2 takes a third of the change of it.
 import package::common::{
-    params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, integration::{PUT, STAY}, rod::{RodPoint, PointHistory}, place::placed,
+    params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, integration::{KINEMATIC, HOLD}, rod::{RodPoint, PointHistory}, place::placed,
     status::frozen,
 };
 
@@ -20,20 +20,20 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let point = rod_points[p];
     let before = point_history[p].remainder;
     let x = point.start.xyz;
-    let untouched = all(predicted[p].xyz == placed(x, point.remainder, point.travel));
-    let left = (x - predicted[p].xyz) + (point.travel + point.remainder);
-    let anew = point.scheme >= PUT;
+    let untouched = all(predicted[p].xyz == placed(x, point.remainder, point.displacement));
+    let left = (x - predicted[p].xyz) + (point.displacement + point.remainder);
+    let anew = point.scheme >= KINEMATIC;
     let remainder = select(vec3f(0.0), left, untouched && !anew);
-    let stays = point.scheme == STAY;
+    let stays = point.scheme == HOLD;
     let last = final_velocity[p].xyz;
     let forgets = params.model == PARTICLES;
-    let outside = select(point.outside, vec3f(0.0), forgets);
+    let external_dv = select(point.external_dv, vec3f(0.0), forgets);
     let own = select(new_velocity[p].xyz - point.before, vec3f(0.0), forgets || anew);
     point_history[p] = PointHistory(
-        select(point.travel, params.step * last, anew),
+        select(point.displacement, params.step * last, anew),
         select(point.before + last - new_velocity[p].xyz, last, anew && !stays),
         remainder,
-        select(outside, point_history[p].outside, stays),
+        select(external_dv, point_history[p].external_dv, stays),
         select(own, point_history[p].own, stays),
         grip[p].xyz,
         point.rest_drift + ((predicted[p].xyz - x) + (remainder - before)),

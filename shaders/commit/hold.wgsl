@@ -1,8 +1,8 @@
 // A strand of which a position is not finite at the end of the step, or a velocity is not or exceeds what anything can have, ends the step
 // at rest where it began, and is reset in the next, like a strand that `rods/update` holds.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, integration::PUT, rod::{Strand, RodStrand, RodSegment, BAD}, sound::can_be,
-    share::{Stretch, owner_of, worker_of, stretch_of, least_shared},
+    params::params, dispatch::{invocation, WORKGROUP}, integration::KINEMATIC, rod::{Strand, RodStrand, RodSegment, FAILED}, validity::can_be,
+    share::{Stretch, item_of, lane_of_item, stretch_of, least_shared},
     status::{frozen, count_bad_strand, BY_HOLD, NO_POINT},
 };
 
@@ -25,10 +25,10 @@ fn lost(strand: Strand, own: Stretch) -> u32 {
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let at = invocation(id, groups);
-    let s = owner_of(at);
+    let s = item_of(at);
     if (s >= params.strands) | frozen() { return; }
     let strand = strands[s];
-    let own = stretch_of(strand.points, worker_of(at));
+    let own = stretch_of(strand.points, lane_of_item(at));
     let point = least_shared(lost(strand, own));
     if point == NO_POINT { return; }
     for (var k = own.begin; k < own.end; k++) {
@@ -38,9 +38,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         if k + 1u == strand.points { continue; }
         let j = strand.first_segment + k;
         rod_segments[j].frame = rod_segments[j].start;
-        rod_segments[j].scheme = PUT;
+        rod_segments[j].scheme = KINEMATIC;
     }
-    if (worker_of(at) > 0u) | (rod_strands[s].condition.bad != 0u) { return; }
-    rod_strands[s].condition.bad = BAD;
+    if (lane_of_item(at) > 0u) | (rod_strands[s].condition.failed != 0u) { return; }
+    rod_strands[s].condition.failed = FAILED;
     count_bad_strand(point, BY_HOLD);
 }

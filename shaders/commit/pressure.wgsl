@@ -2,7 +2,7 @@
 // committed in the order of cells.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, cells::is_air, status::frozen, pressure::{Pressed, flows},
-    integration::PUT, rod::RodPoint,
+    integration::KINEMATIC, rod::RodPoint,
 };
 
 @group(0) @binding(2) var<storage, read>       rod_points:     array<RodPoint>;
@@ -20,5 +20,5 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         return;
     }
     pressed_before[slot] = pressed[slot];
-    if rod_points[slot].scheme == PUT { pressed_before[slot] = Pressed(vec3f(0.0), 0.0); }
+    if rod_points[slot].scheme == KINEMATIC { pressed_before[slot] = Pressed(vec3f(0.0), 0.0); }
 }

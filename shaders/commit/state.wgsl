@@ -34,7 +34,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         let kept = (sum - air_particles() * taken_out(sum)) / params.air_inverse_mass;
         confinement_impulse[0] += vec4f(select(vec3f(0.0), kept, params.air_inverse_mass > 0.0), 0.0);
         let first = atomicExchange(&status.first_bad, NO_POINT);
-        if atomicExchange(&status.bad_strands, 0u) != 0u {
+        if atomicExchange(&status.failed_strands, 0u) != 0u {
             status.reset_first = first;
             status.reset_step = step;
         }
@@ -42,9 +42,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     // An invocation per axis and per cause: drivers write out loops over so few.
     if i < 3u {
         let side = params.box_size[i];
-        var way = status.way[i] + params.step * 0.5 * (status.wind_before[i] + status.wind[i]);
+        var way = status.wind_path[i] + params.step * 0.5 * (status.wind_before[i] + status.wind[i]);
         if side > 0.0 { way -= side * floor(way / side); }
-        status.way[i] = way;
+        status.wind_path[i] = way;
     }
     if i < COUNTERS {
         var times = atomicExchange(&status.counting[i], 0u);

@@ -2,13 +2,13 @@
 //
 // A cluster is up to eight particles of one kind that are next to one another in the order of cells. One list says who is nearer
 // than the kernel radius to any of them. Its eight invocations, one per particle, read a batch of eight entries at once, one
-// each; then each of them meets all eight. A pass says what it needs of a neighbour, in `see`, and what a pair adds to its sums, in `meet`.
+// each; then each of them meets all eight. A pass says what it needs of a neighbour, in `load_neighbour`, and what a pair adds to its sums, in `accumulate`.
 // A pair that was not nearer than the kernel radius when the list was made does not meet, wherever it is by now.
 import package::common::{params::{params, TWO_WAY}, cells::is_air, dispatch::{invocation, WORKGROUP}};
-import package::common::lanes::{Near, LANES, lane_of, show, shown_by, largest_of_all};
+import package::common::lanes::{Near, LANES, lane_of, publish, from_lane, largest_of_all};
 import package::common::list::{BATCHES, NOBODY, INDEX, NONE, IMAGE_BITS, FRAME_BITS, FAR, elements_of, heads};
-import package::common::pairs::{Pair, stand, meet_four};
-import package::pass::{see, meet};
+import package::common::pairs::{Pair, set_origin, meet_four};
+import package::pass::{load_neighbour, accumulate};
 
 @group(0) @binding(20) var<storage, read> neighbour_list: array<vec4u>;
 
@@ -109,19 +109,19 @@ fn of_flow(id: vec3u, groups: vec3u) -> u32 {
 
 // Meets those of the own kind, or all unless the model is TWO_WAY, from where the particle is.
 fn meet_own_kind(at: vec3f) {
-    stand(at - frame);
+    set_origin(at - frame);
     meet_batches(cluster.first, cluster.own);
 }
 
 // Meets those of the other kind, if the model is TWO_WAY, from where the particle is.
 fn meet_other_kind(at: vec3f) {
-    stand(at - frame);
+    set_origin(at - frame);
     meet_batches(cluster.first + elements_of(cluster.own), cluster.others);
 }
 
 // Meets those of its own kind, then those of the other kind, from where the particle is.
 fn meet_both_kinds(at: vec3f) {
-    stand(at - frame);
+    set_origin(at - frame);
     for (var part = 0u; part < 2u; part++) {
         let second = part == 1u;
         meet_batches(cluster.first + select(0u, elements_of(cluster.own), second), select(cluster.own, cluster.others, second));
@@ -140,17 +140,17 @@ fn meet_batches(first: u32, count: u32) {
         for (var k = 0u; k < end; k++) {
             let there = b + k < count;
             meets = select(0u, element.w, there);
-            show(place, seen(element.x, there));
+            publish(place, seen(element.x, there));
             let first = meet_four(shown_to(0u), shown_to(1u), shown_to(2u), shown_to(3u));
             let second = meet_four(shown_to(4u), shown_to(5u), shown_to(6u), shown_to(7u));
-            meet(first.a);
-            meet(first.b);
-            meet(first.c);
-            meet(first.d);
-            meet(second.a);
-            meet(second.b);
-            meet(second.c);
-            meet(second.d);
+            accumulate(first.a);
+            accumulate(first.b);
+            accumulate(first.c);
+            accumulate(first.d);
+            accumulate(second.a);
+            accumulate(second.b);
+            accumulate(second.c);
+            accumulate(second.d);
             element = vec4u(element.yzz, element.w >> 8u);
         }
         at += LANES * group_stride;
@@ -159,7 +159,7 @@ fn meet_batches(first: u32, count: u32) {
 
 // The one that another of the eight has read, if it is a neighbour: else it is far.
 fn shown_to(other: u32) -> Near {
-    var near = shown_by(other);
+    var near = from_lane(other);
     near.at.x = select(FAR, near.at.x, (meets & (1u << other)) != 0u);
     return near;
 }
@@ -167,7 +167,7 @@ fn shown_to(other: u32) -> Near {
 // What this invocation reads of a batch: who its entry says.
 fn seen(entry: u32, there: bool) -> Near {
     let none = !there || entry == NOBODY;
-    var near = see(select(entry & INDEX, member, none));
+    var near = load_neighbour(select(entry & INDEX, member, none));
     let image = vec3u(entry >> IMAGE_BITS, entry >> (IMAGE_BITS + 2u), entry >> (IMAGE_BITS + 4u)) & vec3u(3u);
     near.at += box * (vec3f(image) - 1.0);
     return near;

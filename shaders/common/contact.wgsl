@@ -55,43 +55,43 @@ const UNEASY: f32 = 0.1;        // rad: a strand that touches and turns by more 
 const SLIDING: f32 = 0.1;       // part of the grip that resists sliding on, from the Newton step SLOW on
 const SLOW: u32 = 3u;
 
-fn stiffness_of(reply: f32) -> f32 {
-    return max(STIFFNESS, OMEGA * OMEGA * params.step * params.step) / reply;
+fn stiffness_of(effective_inverse_mass: f32) -> f32 {
+    return max(STIFFNESS, OMEGA * OMEGA * params.step * params.step) / effective_inverse_mass;
 }
 
 // A place in the step: where it starts, what rounding left off that, its move [m], and W [m/N].
 struct Place {
     start: vec3f,
     remainder: vec3f,
-    travel: vec3f,
-    reply: f32,
+    displacement: vec3f,
+    effective_inverse_mass: f32,
 }
 
 // A way seen from a body that moves: from where the body would have carried the place to, from the body's center; both after the step [m].
-struct Way {
+struct RelativeMove {
     base: vec3f,
     way: vec3f,
 }
 
-fn seen_from(body: Placed, place: Place) -> Way {
+fn seen_from(body: Placed, place: Place) -> RelativeMove {
     let gap = place.start - body.center_before;
     let turned = turned_by(body.turn, gap);
-    return Way(gap + turned, (place.remainder + place.travel - (body.center - body.center_before)) - turned);
+    return RelativeMove(gap + turned, (place.remainder + place.displacement - (body.center - body.center_before)) - turned);
 }
 
 fn place_of_point(point: RodPoint) -> Place {
-    return Place(point.start.xyz, point.remainder, point.travel, point.reply);
+    return Place(point.start.xyz, point.remainder, point.displacement, point.effective_inverse_mass);
 }
 
 // The place between two at a part of the way.
 fn between(a: Place, b: Place, part: f32) -> Place {
     return Place(
-        mix(a.start, b.start, part), mix(a.remainder, b.remainder, part), mix(a.travel, b.travel, part),
-        reply_between(a.reply, b.reply, part),
+        mix(a.start, b.start, part), mix(a.remainder, b.remainder, part), mix(a.displacement, b.displacement, part),
+        effective_inverse_mass_between(a.effective_inverse_mass, b.effective_inverse_mass, part),
     );
 }
 
-fn reply_between(first: f32, second: f32, part: f32) -> f32 {
+fn effective_inverse_mass_between(first: f32, second: f32, part: f32) -> f32 {
     return (1.0 - part) * (1.0 - part) * first + part * part * second;
 }
 
@@ -100,15 +100,15 @@ struct Nearest {
     part: f32,         // of the segment; 0 or 1 where an end is nearest
     straight: f32,     // the same by the ends alone
     curve: f32,        // m/rad, by which it shifts as the segment turns
-    reply: f32,        // m/N, W of the place
-    seen: Way,
+    effective_inverse_mass: f32,        // m/N, W of the place
+    seen: RelativeMove,
     surface: Surface,  // seen from there
 }
 
 // The place of a segment that is nearest to a body with these normals at its ends: as the step starts by regula falsi on the slope of the
 // distance along it, from the place that it had; later anew, where the slopes at the ends say that it moved.
 fn nearest(last: Contact, body: Placed, a: Place, b: Place, first: vec3f, second: vec3f, starts: bool) -> Nearest {
-    let chord = (b.start - a.start) + (b.remainder - a.remainder) + (b.travel - a.travel);
+    let chord = (b.start - a.start) + (b.remainder - a.remainder) + (b.displacement - a.displacement);
     let l = length(chord);
     var low = vec2f(0.0, dot(first, chord) / l);
     var high = vec2f(1.0, dot(second, chord) / l);
@@ -116,13 +116,13 @@ fn nearest(last: Contact, body: Placed, a: Place, b: Place, first: vec3f, second
     let ends = !plane && (low.y >= 0.0 || high.y <= 0.0 || high.y - low.y <= 1e-5);
     let straight = -low.y / max(high.y - low.y, 1e-5);
     let moves = !starts && !plane && abs(straight - last.straight) > STANDS;
-    var found = Nearest(last.place, straight, 0.0, 0.0, Way(), Surface());
+    var found = Nearest(last.place, straight, 0.0, 0.0, RelativeMove(), Surface());
     if moves { found.part = clamp(last.place + straight - last.straight, 0.0, 1.0); }
     if !starts && !moves { found.straight = last.straight; }
     if ends { found.part = f32(low.y + high.y < 0.0); }
     for (var k = 0u; k <= REFINED; k++) {
         let place = between(a, b, found.part);
-        found.reply = place.reply;
+        found.effective_inverse_mass = place.effective_inverse_mass;
         found.seen = seen_from(body, place);
         found.surface = near(body, found.seen.base, found.seen.way);
         let slope = dot(found.surface.normal, chord) / l;
@@ -166,13 +166,13 @@ fn parted(before: Contact, distance: f32, starts: bool) -> Met {
     return Met(contact, !starts && (before.state & LIVE) != 0u, false);
 }
 
-// A contact of a place that answers to a force by `reply` [m/N], with the body's friction, its way seen from the body and the surface there; `l` is
+// A contact of a place that answers to a force by `effective_inverse_mass` [m/N], with the body's friction, its way seen from the body and the surface there; `l` is
 // the segment's length.
-fn meet(before: Contact, mu: f32, reply: f32, way: vec3f, surface: Surface, starts: bool, l: f32) -> Met {
+fn update_contact(before: Contact, mu: f32, effective_inverse_mass: f32, way: vec3f, surface: Surface, starts: bool, l: f32) -> Met {
     let plane = (before.state & PLANE) != 0u;
     let normal = select(surface.normal, before.normal, plane);
     let distance = select(surface.distance, before.before + dot(normal, way), plane) + max(0.0, -before.before - RECOVERY * params.step);
-    let k = stiffness_of(reply);
+    let k = stiffness_of(effective_inverse_mass);
     let force = before.multiplier - k * distance;
     let was_live = (before.state & LIVE) != 0u;
     let was_sliding = (before.state & SLIDES) != 0u;
@@ -181,8 +181,8 @@ fn meet(before: Contact, mu: f32, reply: f32, way: vec3f, surface: Surface, star
     let held = force > 0.0 && (pulled || distance <= 0.0);
     let stays = force <= 0.0 && pulled && distance < STAYS * l;
     let live = select(force > 0.0, held || stays, was_live && !starts);
-    if reply == 0.0 || !live { return parted(before, distance, starts); }
-    var met = Met(before, !starts && (force < 0.0 || (!was_live && force * reply > NOTICED)), false);
+    if effective_inverse_mass == 0.0 || !live { return parted(before, distance, starts); }
+    var met = Met(before, !starts && (force < 0.0 || (!was_live && force * effective_inverse_mass > NOTICED)), false);
     met.contact.normal = normal;
     met.contact.gap = distance;
     met.contact.force = force;
@@ -193,7 +193,7 @@ fn meet(before: Contact, mu: f32, reply: f32, way: vec3f, surface: Surface, star
     met.lags = abs(distance) > ALLOW;
     if mu == 0.0 { return met; }
     let off = abs(force - before.lag);
-    met.lags = met.lags || (off > LAGS * force && off * reply > 1e-9);
+    met.lags = met.lags || (off > LAGS * force && off * effective_inverse_mass > 1e-9);
     let slip = way - dot(way, normal) * normal;
     let tried = before.held - dot(before.held, normal) * normal - k * slip;
     let most = mu * before.lag;
@@ -207,8 +207,8 @@ fn meet(before: Contact, mu: f32, reply: f32, way: vec3f, surface: Surface, star
 }
 
 // The stiffness of a contact, and the force by which it resists; the Newton step counts from 0.
-fn resists(contact: Contact, reply: f32, step: u32) -> Spring {
-    let normal = dyad(stiffness_of(reply), contact.normal);
+fn resists(contact: Contact, effective_inverse_mass: f32, step: u32) -> Spring {
+    let normal = dyad(stiffness_of(effective_inverse_mass), contact.normal);
     let grip = contact.grip;
     var along = Symmetric(vec3f(grip), vec3f(0.0));
     along = minus(along, dyad(grip, contact.normal));

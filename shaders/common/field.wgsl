@@ -7,7 +7,7 @@ struct Field {
     radius: f32,      // m, of a jet, or where a vortex or a point blows with its strength
     kind: u32,        // JET, VORTEX, POINT
     uptake: f32,      // m, way over which air takes the field's wind up
-    first_key: u32,   // index of its first keyframe in field_course
+    first_key: u32,   // index of its first keyframe in field_keyframes
     keys: u32,        // number of its keyframes
 }
 

@@ -1,5 +1,5 @@
 // What the wind brings in: behind the faces that it enters through, the fringe draws the air towards it.
-import package::common::{params::params, pi::PI, wind::{mean_wind, way_of_wind, depth_of}};
+import package::common::{params::params, pi::PI, wind::{mean_wind, wind_path, depth_of}};
 
 const SLOWEST: f32 = 0.3;   // m/s: the fringe keeps some grip while the wind rises
 const GRIP: f32 = 10.0;     // of the fringe, per passage
@@ -15,9 +15,9 @@ struct Wave {
 override INFLOW: bool = true;
 
 // Velocity that the wind brings in at a place [m/s].
-fn brought(place: vec3f) -> vec3f {
+fn deposit_source(place: vec3f) -> vec3f {
     if !INFLOW { return mean_wind(); }
-    let carried = place - way_of_wind();
+    let carried = place - wind_path();
     var eddies = vec3f(0.0);
     for (var m = 0u; m < arrayLength(&inflow); m++) {
         let wave = inflow[m];

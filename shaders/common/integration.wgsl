@@ -11,8 +11,8 @@ import package::common::params::params;
 // it is.
 const EULER: u32 = 0u;
 const BDF2: u32 = 1u;
-const PUT: u32 = 2u;
-const STAY: u32 = 3u;
+const KINEMATIC: u32 = 2u;
+const HOLD: u32 = 3u;
 
 // h, in seconds.
 fn step_of(scheme: u32) -> f32 {
@@ -30,15 +30,15 @@ fn weighted(now: vec3f, before: vec3f, scheme: u32) -> vec3f {
 
 // The move, or turn, without the rod's forces.
 fn free_move(
-    now: vec3f, before: vec3f, carried: vec3f, acceleration: vec3f, damping: f32, scheme: u32,
+    now: vec3f, before: vec3f, previous_move: vec3f, acceleration: vec3f, damping: f32, scheme: u32,
 ) -> vec3f {
     let h = step_of(scheme);
-    return carry(scheme) * carried + h * (weighted(now, before, scheme) + h * acceleration) / (1.0 + damping * h);
+    return carry(scheme) * previous_move + h * (weighted(now, before, scheme) + h * acceleration) / (1.0 + damping * h);
 }
 
 // The velocity, or spin, that a move, or turn, leaves.
-fn rate(shift: vec3f, carried: vec3f, scheme: u32) -> vec3f {
-    return select(over(shift - carry(scheme) * carried, step_of(scheme)), vec3f(0.0), scheme >= PUT);
+fn rate(shift: vec3f, previous_move: vec3f, scheme: u32) -> vec3f {
+    return select(over(shift - carry(scheme) * previous_move, step_of(scheme)), vec3f(0.0), scheme >= KINEMATIC);
 }
 
 // A GPU's quotient may be off by two units in the last place, by the same share for all that is divided by one number: in thousands of

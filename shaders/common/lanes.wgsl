@@ -31,11 +31,11 @@ fn lane_of(local: u32) -> u32 {
 
 // Shows the other seven what this invocation has. Every invocation of the workgroup calls it, from the same place.
 @if(subgroups)
-fn show(local: u32, near: Near) {
+fn publish(local: u32, near: Near) {
     shown = near;
 }
 @if(!subgroups)
-fn show(local: u32, near: Near) {
+fn publish(local: u32, near: Near) {
     workgroupBarrier();
     shown_at = local;
     all_shown[local] = near;
@@ -44,7 +44,7 @@ fn show(local: u32, near: Near) {
 
 // What another of the eight has shown: of the lane whose number differs in the bits of `other`.
 @if(subgroups)
-fn shown_by(other: u32) -> Near {
+fn from_lane(other: u32) -> Near {
     return Near(
         subgroupShuffleXor(shown.index, other),
         subgroupShuffleXor(shown.at, other),
@@ -54,7 +54,7 @@ fn shown_by(other: u32) -> Near {
     );
 }
 @if(!subgroups)
-fn shown_by(other: u32) -> Near {
+fn from_lane(other: u32) -> Near {
     return all_shown[shown_at ^ other];
 }
 
@@ -66,7 +66,7 @@ var<private> first_of_eight: u32;   // its number in the subgroup, or in the wor
 @if(subgroups) var<private> keeps: array<vec2u, KEPT>;
 @if(!subgroups) var<workgroup> all_keeps: array<array<vec2u, KEPT>, WORKGROUP>;
 
-// Keeps a value, by a number that is a constant. All eight keep theirs before any asks for one, and `settle` in between.
+// Keeps a value, by a number that is a constant. All eight keep theirs before any asks for one, and `lane_barrier` in between.
 @if(subgroups)
 fn keep(local: u32, number: u32, value: vec2u) {
     keeps[number] = value;
@@ -89,9 +89,9 @@ fn kept(number: u32, lane: u32) -> vec2u {
 // What any of the eight has written to the workgroup's memory is there for the other seven afterwards. Every invocation of the workgroup
 // calls it, from the same place.
 @if(software)
-fn settle() {}
+fn lane_barrier() {}
 @if(!software)
-fn settle() {
+fn lane_barrier() {
     workgroupBarrier();
 }
 

@@ -13,7 +13,7 @@
 // kind. A part is batches of eight entries, one for each invocation of the cluster to read. Three batches make a group, which is eight
 // elements, one for each invocation; the last group of a part may be full in part. An element is what its invocation reads in the three
 // batches, and a word that says whom its particle meets, a byte per batch. Bit k stands for the entry whose place differs from the
-// particle's in the bits of k, which is the one that `lanes::shown_by(k)` shows. What is left over in a part's last batch is NOBODY.
+// particle's in the bits of k, which is the one that `lanes::from_lane(k)` shows. What is left over in a part's last batch is NOBODY.
 import package::common::{lanes::LANES, params::params};
 
 const PAGES: u32 = 4u;            // at most

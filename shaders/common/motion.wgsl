@@ -8,7 +8,7 @@ struct Keyframe {
     translation: vec3f,   // translation T at the keyframe [m]
     step: u32,            // whole part of the keyframe's time, `step + fraction` [steps]
     rotation: vec4f,      // rotation R at the keyframe
-    travel: vec3f,        // translation from this keyframe to the next [m]
+    displacement: vec3f,        // translation from this keyframe to the next [m]
     fraction: f32,        // rest of the keyframe's time, 0 to 1 [steps]
     turn: vec3f,          // rotation vector from this keyframe to the next, less than half a turn [rad]
     rate: f32,            // part of the way to the next keyframe that one step goes [1/steps]; 0 for the last
@@ -44,5 +44,5 @@ fn pose_after(steps: u32, first: u32, count: u32) -> Pose {
     let key = keyframes[low];
     let since = select(0.0, f32(steps - key.step) - key.fraction, steps > key.step);
     let part = min(since * key.rate, 1.0);
-    return Pose(key.translation + part * key.travel, product(rotation(part * key.turn), key.rotation));
+    return Pose(key.translation + part * key.displacement, product(rotation(part * key.turn), key.rotation));
 }

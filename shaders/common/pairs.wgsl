@@ -31,7 +31,7 @@ var<private> steepest_per: f32;  // 1/m^5, that over h
 var<private> height: f32;        // 1/m^3, Poly6 at r = 0: 315/(64 pi h^3)
 
 // From here on the particle is at a place. What all its pairs share is found once.
-fn stand(at: vec3f) {
+fn set_origin(at: vec3f) {
     let h = params.kernel_radius;
     here = at;
     per_square = 1.0 / (h * h);

@@ -36,7 +36,7 @@ struct Params {
     spreading: f32,               // f of `fluid/spread`
     settling: f32,                // part of its unevenness that still air takes out in a step
     damping: f32,                 // 1/s
-    bad_strand_limit: u32,        // more than this in one step end the run
+    failed_strand_limit: u32,        // more than this in one step end the run
     air_density: f32,             // kg/m^3
     kinematic_viscosity: f32,     // m^2/s, of the drag on segments
     lift: f32,                    // C_l

@@ -10,7 +10,7 @@
 //   placed       put somewhere instead of moved: it arrives without a velocity and remembers nothing
 //   still        where it became still, within a little, in this step
 //   asleep       still for so long that it is not integrated until something wakes it
-//   spoilt       it has a value that is not finite, or that no strand can have, when the step begins
+//   invalid       it has a value that is not finite, or that no strand can have, when the step begins
 //   reset        it was not finite: placed in its rest shape
 //   teleported   its root jumped farther than it is long: placed there in the shape that it had
 //   free move    where a point would go without its rod's forces
@@ -66,13 +66,13 @@ struct Segment {
 
 // How a strand is from step to step.
 struct Condition {
-    bad: u32,          // BAD, SPOILT: not finite, to be reset; 0: sound
+    failed: u32,          // BAD, SPOILT: not finite, to be reset; 0: sound
     strained: u32,     // steps of over-strain on end
     bdf2_ready: u32,   // 1: the step before was integrated, or slept through
-    still: u32,        // steps on end at rest; SLEEPS
+    resting: u32,        // steps on end at rest; SLEEPS
 }
 
-const BAD: u32 = 1u;               // what its step found after the solve, and counted: the next step resets it
+const FAILED: u32 = 1u;               // what its step found after the solve, and counted: the next step resets it
 const SPOILT: u32 = 2u;            // what its step finds as it begins, and counts: the same step resets it
 const SLEEPS: u32 = 0xffffffffu;
 const NO_PIN: u32 = 0xffffffffu;
@@ -93,7 +93,7 @@ struct Pin {
 // A strand within a step.
 struct RodStrand {
     strand: Strand,         // for `rods/solve`, which has no binding left for it
-    root_travel: vec3f,     // m, the clamp's displacement
+    root_displacement: vec3f,     // m, the clamp's displacement
     state: u32,             // FREE, SOLVED, TELEPORTED, ASLEEP
     root_frame: vec4f,      // ghost frame at the step's end
     root_turn: vec4f,       // from the ghost frame at the step's start
@@ -108,7 +108,7 @@ struct RodStrand {
     steep: u32,             // 1: the next takes all of a segment's force for its tension
     settled: f32,           // rad, and strain, in a Newton step that is the last
     pin: u32,               // its last point that is pinned or a held tip, from the root on; NO_PIN
-    tip_travel: vec3f,      // m, of a held tip
+    tip_displacement: vec3f,      // m, of a held tip
     tip_frame: vec4f,       // of a clamped tip, at the step's end
 }
 
@@ -125,15 +125,15 @@ struct RodPoint {
     velocity: vec3f,       // m/s, v_n with what acts from outside in this step
     weight: f32,           // over that of the mass that it moves with
     before: vec3f,         // m/s, v_(n-1) with the same; from `rods/update` on v_n, with what contact adds as well
-    scheme: u32,           // of `integration`: EULER, BDF2, PUT, STAY
-    carried: vec3f,        // m, the move of the step before
+    scheme: u32,           // of `integration`: EULER, BDF2, KINEMATIC, HOLD
+    previous_move: vec3f,        // m, the move of the step before
     resistance: f32,       // kg/s, from outside, to its velocity at the step's end
     force: vec3f,          // N, from outside, on the point at rest
-    reply: f32,            // m/N, W: the move that a force of the rod makes; 0 where the point is held
-    outside: vec3f,        // m/s, all that acts from outside in this step
-    push: vec3f,           // m/s, what of it did not act while the strand came to rest
+    effective_inverse_mass: f32,            // m/N, W: the move that a force of the rod makes; 0 where the point is held
+    external_dv: vec3f,        // m/s, all that acts from outside in this step
+    impulse_change: vec3f,           // m/s, what of it did not act while the strand came to rest
     free: vec3f,           // m, the move without the rod's forces; of a held point, where it is held
-    travel: vec3f,         // m, the move
+    displacement: vec3f,         // m, the move
     rest_drift: vec3f,     // m, from where it was when the strand became still
     pin: vec3f,            // m, to where it is pinned in this step
     pinned: u32,           // 1: it is, and the strand has a pin nearer to the tip
@@ -147,7 +147,7 @@ struct RodSegment {
     turn: vec4f,       // rotation in this step; a frame that `rods/gauss_seidel` has turned does not have it
     free: vec4f,       // rotation without the rod's forces
     strain: vec3f,     // m, world: u = chord - l d3
-    scheme: u32,       // of `integration`: EULER, BDF2, PUT, STAY
+    scheme: u32,       // of `integration`: EULER, BDF2, KINEMATIC, HOLD
     rest_drift: vec3f,    // rad, turn since the strand became still
     stretch: vec3f,    // multiplier of stretch-shear in `rods/gauss_seidel`
     bend: vec3f,       // multiplier of the joint before it there
@@ -155,10 +155,10 @@ struct RodSegment {
 
 // What a point keeps from step to step beside its position and velocity.
 struct PointHistory {
-    travel: vec3f,      // m, the last step's move
+    displacement: vec3f,      // m, the last step's move
     velocity: vec3f,    // m/s, of the step before, with all that acted from outside since
     remainder: vec3f,   // m, what rounding left off the position
-    outside: vec3f,     // m/s, all that acted from outside in the last step awake, a mean of those on end in which its strand was
+    external_dv: vec3f,     // m/s, all that acted from outside in the last step awake, a mean of those on end in which its strand was
                         // still; nothing with the model PARTICLES
     own: vec3f,         // m/s, what its rod and gravity gave it in the last step awake; nothing with the model PARTICLES
     grip: vec3f,        // m/s, slip that friction of hair on hair holds it back from

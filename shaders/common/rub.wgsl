@@ -1,7 +1,7 @@
 // What friction of hair on hair asks of a point (`fluid/friction`), and how hard a pair is squeezed.
 import package::common::{params::params, sph_kernels::spiky_slope};
 
-struct Rub {
+struct FrictionPoint {
     pull: vec3f,         // m/s, how it would go through this step without friction, and the pull of its grip
     multiplier: f32,     // kg m^2, sum of lambda times the relaxation over the iterations of this step
     moved: vec3f,        // m/s, how it went through the last step

@@ -12,12 +12,12 @@ import package::common::lanes::LANES;
 @if(!subgroups || software) const SHARE: u32 = 1u;
 
 // Whose work an invocation shares.
-fn owner_of(invocation: u32) -> u32 {
+fn item_of(invocation: u32) -> u32 {
     return invocation / SHARE;
 }
 
 // Place of an invocation among those that share.
-fn worker_of(invocation: u32) -> u32 {
+fn lane_of_item(invocation: u32) -> u32 {
     return invocation % SHARE;
 }
 

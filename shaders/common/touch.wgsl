@@ -4,7 +4,7 @@ import package::common::{
     params::params, symmetric::{applied_to_columns, dyad, plus, twice_symmetric}, articulated::{Beyond, ONE, crossing},
     body::{BODIES, Placed, near},
     contact::{
-        Contact, Met, Place, LIVE, MIDDLE, PLANE, SLIDES, meet, nearest, parted, place_of_point, renewed, reply_between, resists, seen_from,
+        Contact, Met, Place, LIVE, MIDDLE, PLANE, SLIDES, update_contact, nearest, parted, place_of_point, renewed, effective_inverse_mass_between, resists, seen_from,
         stiffness_of,
     },
     rod::{Strand, Segment, RodStrand, RodPoint},
@@ -77,7 +77,7 @@ fn met_point(last: Contact, body: Placed, place: Place, starts: bool, renews: bo
     let surface = near(body, seen.base, seen.way);
     if (contact.state & PLANE) == 0u { contact.normal = surface.normal; }
     if !may_touch { return parted(contact, surface.distance, starts); }
-    return meet(contact, body.friction, place.reply, seen.way, surface, starts, reach);
+    return update_contact(contact, body.friction, place.effective_inverse_mass, seen.way, surface, starts, reach);
 }
 
 // The segment between two places, with the contacts of its ends.
@@ -96,7 +96,7 @@ fn met_segment(
         if starts { contact.curve = found.curve; }
     }
     if found.part < MIDDLE || found.part > 1.0 - MIDDLE { return parted(contact, l, starts); }
-    return meet(contact, body.friction, found.reply, found.seen.way, found.surface, starts, l);
+    return update_contact(contact, body.friction, found.effective_inverse_mass, found.seen.way, found.surface, starts, l);
 }
 
 // Leaves contacts to the next step: those of an unsolved strand remember nothing. A point that touches, or that a touching segment moves, has the
@@ -127,12 +127,12 @@ fn forget(i: u32) {
 }
 
 fn slow(p: u32, contact: Contact) {
-    if (contact.state & LIVE) == 0u || rod_points[p].reply == 0.0 { return; }
+    if (contact.state & LIVE) == 0u || rod_points[p].effective_inverse_mass == 0.0 { return; }
     let point = rod_points[p];
     let sticks = (contact.state & SLIDES) == 0u && contact.grip > 0.0;
-    let carried = point.travel - point.carried;
-    let faster = point.travel / params.step - point.velocity;
-    rod_points[p].carried += select(dot(carried, contact.normal) * contact.normal, carried, sticks);
+    let previous_move = point.displacement - point.previous_move;
+    let faster = point.displacement / params.step - point.velocity;
+    rod_points[p].previous_move += select(dot(previous_move, contact.normal) * contact.normal, previous_move, sticks);
     rod_points[p].velocity += select(dot(faster, contact.normal) * contact.normal, faster, sticks);
 }
 
@@ -142,7 +142,7 @@ fn push_point(beyond: Beyond, rod: RodStrand, p: u32) -> Beyond {
     for (var b = 0u; b < bodies(rod); b++) {
         let contact = contacts[p * arrayLength(&placed) + b];
         if (contact.state & LIVE) == 0u { continue; }
-        let push = resists(contact, rod_points[p].reply, rod.newton);
+        let push = resists(contact, rod_points[p].effective_inverse_mass, rod.newton);
         sum.own = plus(sum.own, push.stiffness);
         sum.force += push.force;
     }
@@ -153,7 +153,7 @@ fn push_segment(beyond: Beyond, rod: RodStrand, p: u32, j: u32, arm: vec3f) -> B
     for (var b = 0u; b < bodies(rod); b++) {
         let contact = contacts[(params.hair_points + j) * arrayLength(&placed) + b];
         if (contact.state & LIVE) == 0u { continue; }
-        let push = resists(contact, reply_between(rod_points[p].reply, rod_points[p + 1u].reply, contact.place), rod.newton);
+        let push = resists(contact, effective_inverse_mass_between(rod_points[p].effective_inverse_mass, rod_points[p + 1u].effective_inverse_mass, contact.place), rod.newton);
         let reach = contact.place * arm;
         let swung = applied_to_columns(push.stiffness, -1.0 * crossing(reach, ONE));
         sum.own = plus(sum.own, push.stiffness);
@@ -169,11 +169,11 @@ fn push_segment(beyond: Beyond, rod: RodStrand, p: u32, j: u32, arm: vec3f) -> B
 }
 
 // The linear model of contacts: of a point that moves, and of the segment from point p on, which also turns.
-fn foresee(rod: RodStrand, p: u32, reply: f32, shift: vec3f) {
+fn foresee(rod: RodStrand, p: u32, effective_inverse_mass: f32, shift: vec3f) {
     for (var b = 0u; b < bodies(rod); b++) {
         let i = p * arrayLength(&placed) + b;
         if (contacts[i].state & LIVE) == 0u { continue; }
-        contacts[i].linear = contacts[i].multiplier - stiffness_of(reply) * (contacts[i].gap + dot(contacts[i].normal, shift));
+        contacts[i].linear = contacts[i].multiplier - stiffness_of(effective_inverse_mass) * (contacts[i].gap + dot(contacts[i].normal, shift));
     }
 }
 fn foresee_segment(rod: RodStrand, p: u32, j: u32, shift: vec3f, swing: vec3f) {
@@ -181,7 +181,7 @@ fn foresee_segment(rod: RodStrand, p: u32, j: u32, shift: vec3f, swing: vec3f) {
         let i = (params.hair_points + j) * arrayLength(&placed) + b;
         let contact = contacts[i];
         if (contact.state & LIVE) == 0u { continue; }
-        let reply = reply_between(rod_points[p].reply, rod_points[p + 1u].reply, contact.place);
-        contacts[i].linear = contact.multiplier - stiffness_of(reply) * (contact.gap + dot(contact.normal, shift + contact.place * swing));
+        let effective_inverse_mass = effective_inverse_mass_between(rod_points[p].effective_inverse_mass, rod_points[p + 1u].effective_inverse_mass, contact.place);
+        contacts[i].linear = contact.multiplier - stiffness_of(effective_inverse_mass) * (contact.gap + dot(contact.normal, shift + contact.place * swing));
     }
 }

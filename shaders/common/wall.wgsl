@@ -34,7 +34,7 @@ fn density_beyond(distance: f32) -> f32 {
 }
 
 // The way of air of this speed in a step, at a distance from a body whose surface has that velocity.
-fn way_beside(distance: f32, speed: f32, velocity: vec3f) -> f32 {
+fn path_beside(distance: f32, speed: f32, velocity: vec3f) -> f32 {
     let near = clamp(2.0 - distance / (NEAR * params.spacing), 0.0, 1.0);
     let fastest = max(status.fastest_wind, max(speed, length(velocity)));
     return near * min(1.0, params.step / params.spacing * fastest);

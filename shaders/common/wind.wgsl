@@ -12,8 +12,8 @@ fn wind_before() -> vec3f {
 }
 
 // Way by which the wind has carried the inflow's eddies since the start of the run [m].
-fn way_of_wind() -> vec3f {
-    return vec3f(status.way[0], status.way[1], status.way[2]);
+fn wind_path() -> vec3f {
+    return vec3f(status.wind_path[0], status.wind_path[1], status.wind_path[2]);
 }
 
 // Depth behind the face that the wind enters through, per axis [m].

@@ -31,7 +31,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     predicted[i] = vec4f(found.x, predicted[i].w);
     new_velocity[i] += vec4f(slip - before, 0.0);
     if near.distance < params.kernel_radius {
-        atomicMax(&status.way_beside, bitcast<u32>(length(slip) * params.step / params.spacing));
+        atomicMax(&status.path_beside, bitcast<u32>(length(slip) * params.step / params.spacing));
     }
     if constrained { wall[i] = wall_of(near, 0.0); }
     wall[i].impulse += before - slip;

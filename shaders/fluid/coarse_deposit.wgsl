@@ -11,7 +11,7 @@ import package::common::{
 @if(!subgroups || software) const ALONG: u32 = 16u;
 const NODES: u32 = 16u;                               // of a block
 
-@group(0) @binding(4) var<storage, read>       brought: array<vec4f>;   // xyz: place in spacings; w: s [1/s], from `source`
+@group(0) @binding(4) var<storage, read>       deposit_source: array<vec4f>;   // xyz: place in spacings; w: s [1/s], from `source`
 @group(0) @binding(5) var<storage, read_write> coarse:  array<f32>;     // r [1/s]
 
 // Sums for the rows of four nodes along x at one of two y and two z.
@@ -23,7 +23,7 @@ var<private> source: f32;
 var<workgroup> sums: array<vec4f, 4 * WORKGROUP>;   // by lane, then by row of nodes
 
 fn bring(e: u32) -> vec3f {
-    let one = brought[e];
+    let one = deposit_source[e];
     source = one.w;
     return one.xyz;
 }

@@ -11,7 +11,7 @@ import package::common::{
 @group(0) @binding(3) var<storage, read>       predicted:  array<vec4f>;   // xyz [m], w: volume [m^3]
 @group(0) @binding(4) var<storage, read>       multiplier: array<vec2f>;   // kg m^2, lambda, and the part of it that becomes velocity
 @group(0) @binding(5) var<storage, read_write> shift:      array<vec4f>;   // m, of this iteration
-@group(0) @binding(6) var<storage, read_write> felt_shift: array<vec4f>;   // m, what of it becomes velocity; w: lambda times relaxation
+@group(0) @binding(6) var<storage, read_write> velocity_shift: array<vec4f>;   // m, what of it becomes velocity; w: lambda times relaxation
 
 var<private> own_index: u32;
 var<private> volume: f32;
@@ -19,12 +19,12 @@ var<private> lambda: vec2f;
 var<private> sum: vec3f;
 var<private> felt: vec3f;
 
-fn see(j: u32) -> Near {
+fn load_neighbour(j: u32) -> Near {
     let other = predicted[j];
     return Near(j, other.xyz, other.w, vec4f(multiplier[j], 0.0, 0.0), vec4f());
 }
 
-fn meet(other: Pair) {
+fn accumulate(other: Pair) {
     let gradient = gradient_apart(other, own_index);
     let pair = lambda * other.volume + other.value.xy * volume;
     sum += pair.x * gradient;
@@ -48,5 +48,5 @@ fn main(
     if has_none() || i >= params.constrained { return; }
     let give = params.relaxation * inverse_mass_of(i);
     shift[i] = vec4f(give * sum, 0.0);
-    felt_shift[i] = vec4f(give * felt, params.relaxation * lambda.x);
+    velocity_shift[i] = vec4f(give * felt, params.relaxation * lambda.x);
 }

@@ -14,12 +14,12 @@ import package::common::{
 var<private> velocity: vec3f;
 var<private> deformed: mat3x3f;   // G [1/s]
 
-fn see(j: u32) -> Near {
+fn load_neighbour(j: u32) -> Near {
     let other = predicted[j];
     return Near(j, other.xyz, other.w, new_velocity[j], vec4f());
 }
 
-fn meet(other: Pair) {
+fn accumulate(other: Pair) {
     let gradient = gradient_to(other);
     let faster = other.value.xyz - velocity;
     deformed += mat3x3f(gradient.x * faster, gradient.y * faster, gradient.z * faster);

@@ -21,12 +21,12 @@ var<private> ratio: f32;    // without the particle itself
 var<private> own_gradient: vec3f;
 var<private> others: f32;   // sum over k != i of w_k |grad_k C_i|^2
 
-fn see(j: u32) -> Near {
+fn load_neighbour(j: u32) -> Near {
     let other = predicted[j];
     return Near(j, other.xyz, other.w, vec4f(inverse_mass_of(j)), vec4f());
 }
 
-fn meet(other: Pair) {
+fn accumulate(other: Pair) {
     ratio += other.volume * other.kernel;
     let gradient = other.volume * gradient_apart(other, own_index);
     own_gradient += gradient;

@@ -31,12 +31,12 @@ var<private> velocity: vec3f;
 var<private> diagonal: vec3f;
 var<private> off_diagonal: vec3f;
 
-fn see(j: u32) -> Near {
+fn load_neighbour(j: u32) -> Near {
     let other = predicted[j];
     return Near(j, other.xyz, other.w, new_velocity[j], vec4f());
 }
 
-fn meet(other: Pair) {
+fn accumulate(other: Pair) {
     let gradient = gradient_to(other);
     let slower = velocity - other.value.xyz;
     diagonal += slower * gradient;

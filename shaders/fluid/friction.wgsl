@@ -9,14 +9,14 @@
 // 2014, eq. 24), with the constraint's own impulse p for the depth. The grip g is the spring of Cundall & Strack (1979), kept
 // by points instead of pairs: it holds what sticks where it is, and what slides lets go of it.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, status::frozen, lanes::Near, pairs::Pair, rub::{Rub, pressed},
+    params::params, dispatch::{invocation, WORKGROUP}, status::frozen, lanes::Near, pairs::Pair, rub::{FrictionPoint, pressed},
     clusters::{take_particle, has_no_hair, of_shared, added_up, meet_own_kind}, own_strand::{Points, points_with, holds},
     page::of_page,
 };
 
 @group(0) @binding(2) var<storage, read>       predicted: array<vec4f>;   // xyz [m], w: volume [m^3]
-@group(0) @binding(3) var<storage, read>       rubbing:   array<Rub>;
-@group(0) @binding(5) var<storage, read>       squeezed:  array<f32>;     // P [m/s]
+@group(0) @binding(3) var<storage, read>       friction_points:   array<FrictionPoint>;
+@group(0) @binding(5) var<storage, read>       normal_impulses:  array<f32>;     // P [m/s]
 @group(0) @binding(6) var<storage, read_write> shift:     array<vec4f>;   // m, by friction
 @group(0) @binding(7) var<storage, read_write> grip:      array<vec4f>;   // in: before this step [m/s]; out: after it
 
@@ -25,7 +25,7 @@ const LEAST: f32 = 1e-30;     // kg, for points that nothing squeezes
 
 var<private> own_strand: Points;
 var<private> x: vec4f;
-var<private> own: Rub;
+var<private> own: FrictionPoint;
 var<private> own_squeezed: f32;
 var<private> change: vec3f;   // kg m/s
 var<private> slid: vec3f;     // kg m/s
@@ -37,13 +37,13 @@ fn across(v: vec3f, gap: vec3f) -> vec3f {
     return v - dot(v, gap) / dot(gap, gap) * gap;
 }
 
-fn see(j: u32) -> Near {
+fn load_neighbour(j: u32) -> Near {
     let other = predicted[j];
-    let rub = rubbing[j];
-    return Near(j, other.xyz, other.w, vec4f(rub.pull, rub.multiplier), vec4f(squeezed[j], rub.friction, 0.0, 0.0));
+    let rub = friction_points[j];
+    return Near(j, other.xyz, other.w, vec4f(rub.pull, rub.multiplier), vec4f(normal_impulses[j], rub.friction, 0.0, 0.0));
 }
 
-fn meet(other: Pair) {
+fn accumulate(other: Pair) {
     let gap = other.gap;
     let both = own_squeezed + other.more.x;
     if both == 0.0 || dot(gap, gap) == 0.0 || holds(own_strand, other.index) { return; }
@@ -53,7 +53,7 @@ fn meet(other: Pair) {
     let sticks = squeeze / both;
     let share = min(sticks, min(own.friction, other.more.y) * squeeze / speed);
     change -= share * pull;
-    slid += share * across(own.moved - rubbing[other.index].moved, gap);
+    slid += share * across(own.moved - friction_points[other.index].moved, gap);
     held += share;
     most += sticks;
 }
@@ -70,8 +70,8 @@ fn main(
     let i = take_particle(place, local);
     own_strand = points_with(i);
     x = predicted[i];
-    own = rubbing[i];
-    own_squeezed = squeezed[i];
+    own = friction_points[i];
+    own_squeezed = normal_impulses[i];
     meet_own_kind(x.xyz);
     let changes = added_up(vec4f(change, held));
     let slides = added_up(vec4f(slid, most));

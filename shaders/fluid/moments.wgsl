@@ -33,12 +33,12 @@ var<private> moment_off: vec3f;
 var<private> square: vec3f;       // sum_j w_j V_j^2 grad W (x) grad W
 var<private> square_off: vec3f;
 
-fn see(j: u32) -> Near {
+fn load_neighbour(j: u32) -> Near {
     let other = predicted[j];
     return Near(j, other.xyz, other.w, vec4f(share_of(j)), vec4f());
 }
 
-fn meet(other: Pair) {
+fn accumulate(other: Pair) {
     let gap = other.gap;
     let slope = other.volume * other.slope;   // V_j grad_i W is this times the gap
     theta += other.volume * other.kernel;

@@ -3,7 +3,7 @@
 import package::common::{params::params, dispatch::{invocation, WORKGROUP}, status::frozen};
 
 @group(0) @binding(2) var<storage, read>       shift:      array<vec4f>;
-@group(0) @binding(3) var<storage, read>       felt_shift: array<vec4f>;
+@group(0) @binding(3) var<storage, read>       velocity_shift: array<vec4f>;
 @group(0) @binding(4) var<storage, read_write> predicted:  array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> correction: array<vec4f>;
 
@@ -12,5 +12,5 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let i = invocation(id, groups);
     if (i >= params.constrained) | frozen() { return; }
     predicted[i] += vec4f(shift[i].xyz, 0.0);
-    correction[i] += felt_shift[i];
+    correction[i] += velocity_shift[i];
 }

@@ -20,12 +20,12 @@ import package::common::{
 var<private> gradients: vec3f;   // sum_j V_j grad_i W [1/m]
 var<private> pushes: vec3f;      // sum_j lambda_j B_j/V_j V_j grad_i W
 
-fn see(j: u32) -> Near {
+fn load_neighbour(j: u32) -> Near {
     let other = predicted[j];
     return Near(j, other.xyz, other.w, vec4f(stress[j].diagonal, 0.0), vec4f(stress[j].off_diagonal, 0.0));
 }
 
-fn meet(other: Pair) {
+fn accumulate(other: Pair) {
     let gradient = gradient_to(other);
     gradients += gradient;
     pushes += applied(Symmetric(other.value.xyz, other.more.xyz), gradient);

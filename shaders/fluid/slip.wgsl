@@ -3,14 +3,14 @@
 // rest without swinging.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, rod::{Point, PointHistory},
-    rub::Rub, status::frozen,
+    rub::FrictionPoint, status::frozen,
 };
 
 @group(0) @binding(3) var<storage, read>       velocity:      array<vec4f>;
 @group(0) @binding(4) var<storage, read>       points:        array<Point>;
 @group(0) @binding(5) var<storage, read>       correction:    array<vec4f>;   // xyz [m], w: sum of the multipliers [kg m^2]
 @group(0) @binding(6) var<storage, read>       point_history: array<PointHistory>;
-@group(0) @binding(7) var<storage, read_write> rubbing:       array<Rub>;
+@group(0) @binding(7) var<storage, read_write> friction_points:       array<FrictionPoint>;
 @group(0) @binding(8) var<storage, read_write> grip:          array<vec4f>;   // m/s, before this step
 
 const STIFFNESS: f32 = 0.25;
@@ -23,10 +23,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let given = correction[p];
     grip[p] = vec4f(history.grip, 0.0);
     let ahead = velocity[p].xyz + history.own + given.xyz / params.step;
-    rubbing[p] = Rub(
+    friction_points[p] = FrictionPoint(
         ahead + STIFFNESS * history.grip,
         given.w,
-        history.travel / params.step,
+        history.displacement / params.step,
         inverse_mass[p],
         points[p].friction,
     );

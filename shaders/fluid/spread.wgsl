@@ -37,12 +37,12 @@ const BESIDE: f32 = 0.12;     // of the way in a step beside bodies
 var<private> uneven: vec3f;
 var<private> met: u32;   // one more than the largest index of a neighbour that lies on the particle
 
-fn see(j: u32) -> Near {
+fn load_neighbour(j: u32) -> Near {
     let other = predicted[j];
     return Near(j, other.xyz, other.w, vec4f(), vec4f());
 }
 
-fn meet(other: Pair) {
+fn accumulate(other: Pair) {
     uneven += gradient_to(other);
     met = max(met, select(0u, other.index + 1u, other.coincide));
 }

@@ -2,7 +2,7 @@
 //
 //   v += (1 - exp(-dt sum_f w_f |S_f|/uptake_f)) (U + sum_f u_f - v)
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, status::frozen, wind::mean_wind, gale::gale_at,
+    params::params, dispatch::{invocation, WORKGROUP}, status::frozen, wind::mean_wind, force_field_velocity::field_velocity_at,
 };
 
 @group(0) @binding(2) var<storage, read>       position:    array<vec4f>;
@@ -13,8 +13,8 @@ import package::common::{
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = params.hair_points + invocation(id, groups);
     if (i >= params.particles) | frozen() { return; }
-    let gale = gale_at(position[i].xyz);
+    let force_field_velocity = field_velocity_at(position[i].xyz);
     let change = wind_change[i].xyz;
-    let lacks = mean_wind() + gale.wind - velocity[i].xyz - change;
-    wind_change[i] = vec4f(change + (1.0 - exp(-gale.rate * params.step)) * lacks, 0.0);
+    let lacks = mean_wind() + force_field_velocity.wind - velocity[i].xyz - change;
+    wind_change[i] = vec4f(change + (1.0 - exp(-force_field_velocity.rate * params.step)) * lacks, 0.0);
 }

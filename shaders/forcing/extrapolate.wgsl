@@ -21,13 +21,13 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if s >= params.strands { return; }
     let strand = strands[s];
     let state = strand_history[s].condition;
-    let bdf2 = params.bdf2 != 0u && state.still != SLEEPS && state.bdf2_ready != 0u;
+    let bdf2 = params.bdf2 != 0u && state.resting != SLEEPS && state.bdf2_ready != 0u;
     for (var k = 0u; k < strand.points; k++) {
         let p = strand.first_point + k;
         let v = velocity[p].xyz;
         let carries = bdf2 && inverse_mass[p] > 0.0;
         new_velocity[p] = vec4f(v + select(vec3f(0.0), v - point_history[p].velocity, carries) / 3.0, 0.0);
         // A strand that was not finite is put somewhere else.
-        pressed[p] = Pressed(vec3f(0.0), select(pressed_before[p].pressure, 0.0, state.bad != 0u));
+        pressed[p] = Pressed(vec3f(0.0), select(pressed_before[p].pressure, 0.0, state.failed != 0u));
     }
 }

@@ -2,14 +2,14 @@
 // The strongest field adds to the fastest wind. One invocation.
 import package::common::{params::params, field::{fields, Field}, status::{status, frozen}};
 
-@group(0) @binding(2) var<storage, read>       field_course:   array<vec2f>;   // time [s], strength [m/s]
+@group(0) @binding(2) var<storage, read>       field_keyframes:   array<vec2f>;   // time [s], strength [m/s]
 @group(0) @binding(3) var<storage, read_write> field_strength: array<f32>;     // m/s
 
 fn at(field: Field, time: f32) -> f32 {
-    var strength = field_course[field.first_key].y;
+    var strength = field_keyframes[field.first_key].y;
     for (var k = field.first_key + 1u; k < field.first_key + field.keys; k++) {
-        let before = field_course[k - 1u];
-        let after = field_course[k];
+        let before = field_keyframes[k - 1u];
+        let after = field_keyframes[k];
         if time <= before.x { break; }
         strength = mix(before.y, after.y, min((time - before.x) / (after.x - before.x), 1.0));
     }
@@ -18,7 +18,7 @@ fn at(field: Field, time: f32) -> f32 {
 
 fn fastest(field: Field) -> f32 {
     var speed = 0.0;
-    for (var k = field.first_key; k < field.first_key + field.keys; k++) { speed = max(speed, abs(field_course[k].y)); }
+    for (var k = field.first_key; k < field.first_key + field.keys; k++) { speed = max(speed, abs(field_keyframes[k].y)); }
     return speed;
 }
 

@@ -6,20 +6,20 @@
 //   sigma = sum over faces of cos * 10 max(|U|, 0.3 m/s)/l sin^2(pi x/l)  within the thickness l
 //   u' = |U| sum_m a_m sin(k_m . (x - way) + phi_m), carried along with the wind: frozen turbulence (Taylor 1938), solenoidal
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, status::frozen, wind::{mean_wind, wind_before}, inflow::{brought, rate_at},
+    params::params, dispatch::{invocation, WORKGROUP}, status::frozen, wind::{mean_wind, wind_before}, inflow::{deposit_source, rate_at},
 };
 
 @group(0) @binding(2) var<storage, read>       position:    array<vec4f>;
 @group(0) @binding(3) var<storage, read>       velocity:    array<vec4f>;
-@group(0) @binding(5) var<storage, read>       missed:      array<vec4f>;   // sums over air of `miss` [m/s^2]; w: of sigma [1/s]
+@group(0) @binding(5) var<storage, read>       fringe_deficit:      array<vec4f>;   // sums over air of `miss` [m/s^2]; w: of sigma [1/s]
 @group(0) @binding(6) var<storage, read_write> wind_change: array<vec4f>;   // m/s, of this step
 
 // L: what the air in the fringe lacks of the wind, along the wind. Given to all air, it holds the flow through the box.
-fn lack() -> vec3f {
+fn wind_deficit() -> vec3f {
     let wind = mean_wind();
     // Without a rate there is no wind, or nobody in the fringe.
-    let along = dot(missed[0].xyz, wind) / max(dot(wind, wind) * missed[0].w, 1e-30);
-    return select(vec3f(0.0), along * wind, missed[0].w > 0.0);
+    let along = dot(fringe_deficit[0].xyz, wind) / max(dot(wind, wind) * fringe_deficit[0].w, 1e-30);
+    return select(vec3f(0.0), along * wind, fringe_deficit[0].w > 0.0);
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -27,9 +27,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let i = params.hair_points + invocation(id, groups);
     if (i >= params.particles) | frozen() { return; }
     let place = position[i].xyz;
-    let change = mean_wind() - wind_before() + lack();
+    let change = mean_wind() - wind_before() + wind_deficit();
     let rate = rate_at(place);
     var drawn = vec3f(0.0);
-    if rate > 0.0 { drawn = (1.0 - exp(-rate * params.step)) * (brought(place) - velocity[i].xyz - change); }
+    if rate > 0.0 { drawn = (1.0 - exp(-rate * params.step)) * (deposit_source(place) - velocity[i].xyz - change); }
     wind_change[i] = vec4f(change + drawn, 0.0);
 }

@@ -1,14 +1,14 @@
 // Puts each strand that is bad into its rest shape at its root, where the clamp was when the step began: at rest, and with no memory.
 // A tip that is held stays. `rods/predict` turns it with its clamp from there, and makes its frames.
 //
-// A strand is bad if the step before lost it, or if it has a value that is not finite, or that no strand can have: then it is spoilt, and
+// A strand is bad if the step before lost it, or if it has a value that is not finite, or that no strand can have: then it is invalid, and
 // this pass, which runs before anything else reads it, finds it. Spins are read by their own strand alone, which `rods/update` finds lost after
 // the solve.
 //
 // This pass writes what lasts. A step that freezes does no harm by that: taken again, it finds the strand bad and puts it there again.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, tangent},
-    rod::{Strand, Segment, StrandHistory, PointHistory, TIP_HELD, BAD, SPOILT}, sound::{FAST, within, root_of, in_reach},
+    rod::{Strand, Segment, StrandHistory, PointHistory, TIP_HELD, FAILED, SPOILT}, validity::{FAST, within, root_of, in_reach},
     status::{status, frozen, count_bad_strand, finite, finite3, BY_RESET, NO_POINT},
 };
 
@@ -22,14 +22,14 @@ import package::common::{
 
 const UNLIKE: f32 = 0.1;   // what the square of a frame's length is not off 1 by
 
-// The first point of a strand that is spoilt, or whose segment is.
-fn spoilt(strand: Strand, root: vec3f) -> u32 {
+// The first point of a strand that is invalid, or whose segment is.
+fn invalid(strand: Strand, root: vec3f) -> u32 {
     for (var k = 0u; k < strand.points; k++) {
         let p = strand.first_point + k;
         let frame = orientation[strand.first_segment + min(k, strand.points - 2u)];
         let turns = finite(dot(frame, frame)) && abs(dot(frame, frame) - 1.0) <= UNLIKE;
         let history = point_history[p];
-        let memory = finite3(history.travel + history.remainder + history.outside) && finite3(history.own + history.grip);
+        let memory = finite3(history.displacement + history.remainder + history.external_dv) && finite3(history.own + history.grip);
         let speeds = within(velocity[p].xyz, FAST) && within(history.velocity, FAST);
         if !(in_reach(strand, root, position[p].xyz) && speeds && memory && turns) { return p; }
     }
@@ -52,11 +52,11 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if s == 0u { status.inspected = 1u; }
     let strand = strands[s];
     let root = root_of(strand, strand_history[s].root, position[strand.first_point].xyz);
-    // What the step before lost has been counted. A step that froze is taken again: a spoilt strand is counted anew, in its rest shape by now.
-    if strand_history[s].condition.bad != BAD {
-        let point = spoilt(strand, root);
-        if point == NO_POINT && strand_history[s].condition.bad == 0u { return; }
-        strand_history[s].condition.bad = SPOILT;
+    // What the step before lost has been counted. A step that froze is taken again: a invalid strand is counted anew, in its rest shape by now.
+    if strand_history[s].condition.failed != FAILED {
+        let point = invalid(strand, root);
+        if point == NO_POINT && strand_history[s].condition.failed == 0u { return; }
+        strand_history[s].condition.failed = SPOILT;
         count_bad_strand(select(point, strand.first_point, point == NO_POINT), BY_RESET);
     }
     var frame = strand_history[s].root.frame;

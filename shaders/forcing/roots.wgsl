@@ -8,7 +8,7 @@ import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, conjugate, rotate, rotation, rotation_vector},
     motion::{moves, pose_after},
     integration::{EULER, BDF2}, rod::{Strand, RodStrand, Root, Pin, StrandHistory, FREE, TELEPORTED, ASLEEP, ROOT_HELD, TIP_HELD},
-    status::{status, frozen, freeze, UNMENDED_STRAND},
+    status::{status, frozen, freeze, UNRECOVERED_STRAND},
 };
 
 @group(0) @binding(2) var<storage, read>       strands:        array<Strand>;
@@ -23,8 +23,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let s = invocation(id, groups);
     if (s >= params.strands) | frozen() { return; }
     let condition = strand_history[s].condition;
-    if condition.bad != 0u && status.inspected == 0u {
-        freeze(UNMENDED_STRAND);
+    if condition.failed != 0u && status.inspected == 0u {
+        freeze(UNRECOVERED_STRAND);
         return;
     }
     let held = strand_history[s].root;
@@ -48,19 +48,19 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let jumps = (strand.joints & TIP_HELD) == 0u && length(way) > strand.length;
     let part = select(1.0 / f32(left), 1.0, jumps);
     let tip_way = select(vec3f(0.0), tip_goal - position[tip].xyz, (strand.joints & TIP_HELD) != 0u);
-    let still = all(way == vec3f(0.0)) && all(held.frame == goal.frame) && all(tip_way == vec3f(0.0));
-    let root_turn = select(rotation(part * turn), vec4f(0.0, 0.0, 0.0, 1.0), still);
+    let resting = all(way == vec3f(0.0)) && all(held.frame == goal.frame) && all(tip_way == vec3f(0.0));
+    let root_turn = select(rotation(part * turn), vec4f(0.0, 0.0, 0.0, 1.0), resting);
     rod_strands[s].strand = strand;
-    rod_strands[s].root_travel = part * way;
+    rod_strands[s].root_displacement = part * way;
     rod_strands[s].root_turn = root_turn;
     // A clamp that arrives takes the goal's frame to the bit: if it were off by rounding, it would never rest.
-    rod_strands[s].root_frame = select(normalize(product(root_turn, held.frame)), goal.frame, still || part == 1.0);
-    rod_strands[s].state = select(select(FREE, ASLEEP, still && params.sleep != 0u), TELEPORTED, jumps);
+    rod_strands[s].root_frame = select(normalize(product(root_turn, held.frame)), goal.frame, resting || part == 1.0);
+    rod_strands[s].state = select(select(FREE, ASLEEP, resting && params.sleep != 0u), TELEPORTED, jumps);
     // The first step has no change of velocity to carry on.
     rod_strands[s].scheme = select(EULER, BDF2, params.bdf2 != 0u && condition.bdf2_ready != 0u);
     rod_strands[s].condition = condition;
     rod_strands[s].pin_force = strand_history[s].pin_force;
-    rod_strands[s].tip_travel = part * tip_way;
+    rod_strands[s].tip_displacement = part * tip_way;
     rod_strands[s].tip_frame = tip_frame;
     rod_strands[s].meets = 0u;
     rod_strands[s].woken = 0u;

@@ -8,7 +8,7 @@ import package::common::{
     params::{params, TWO_WAY}, dispatch::{invocation, WORKGROUP}, cells::{wrap, home_of, box_bucket},
     page::of_page, list::{BATCHES, NOBODY, NONE, IMAGE_BITS, FRAME_BITS, FAR, elements_of, heads},
     lanes::{
-        Near, LANES, lane_of, show, shown_by, keep, kept, first_of_eight, settle, joined, votes, turned, bits_of_all, largest_of_all,
+        Near, LANES, lane_of, publish, from_lane, keep, kept, first_of_eight, lane_barrier, joined, votes, turned, bits_of_all, largest_of_all,
         largest_in_workgroup,
     },
     status::{status, freeze, NEIGHBOUR_OVERFLOW},
@@ -276,16 +276,16 @@ fn main(
     let position = sorted_position[select(entries.x, e, there)];
     let air = position.w > 0.0;
     let inside = wrap(position.xyz);
-    show(local, Near(0u, select(vec3f(FAR), position.xyz, there), 0.0, vec4f(inside, 0.0), vec4f()));
-    var near = shown_by(0u);
+    publish(local, Near(0u, select(vec3f(FAR), position.xyz, there), 0.0, vec4f(inside, 0.0), vec4f()));
+    var near = from_lane(0u);
     own[0] = near.at; low = near.value.xyz; high = low;
-    near = shown_by(1u); own[1] = near.at; low = min(low, near.value.xyz); high = max(high, near.value.xyz);
-    near = shown_by(2u); own[2] = near.at; low = min(low, near.value.xyz); high = max(high, near.value.xyz);
-    near = shown_by(3u); own[3] = near.at; low = min(low, near.value.xyz); high = max(high, near.value.xyz);
-    near = shown_by(4u); own[4] = near.at; low = min(low, near.value.xyz); high = max(high, near.value.xyz);
-    near = shown_by(5u); own[5] = near.at; low = min(low, near.value.xyz); high = max(high, near.value.xyz);
-    near = shown_by(6u); own[6] = near.at; low = min(low, near.value.xyz); high = max(high, near.value.xyz);
-    near = shown_by(7u); own[7] = near.at; low = min(low, near.value.xyz); high = max(high, near.value.xyz);
+    near = from_lane(1u); own[1] = near.at; low = min(low, near.value.xyz); high = max(high, near.value.xyz);
+    near = from_lane(2u); own[2] = near.at; low = min(low, near.value.xyz); high = max(high, near.value.xyz);
+    near = from_lane(3u); own[3] = near.at; low = min(low, near.value.xyz); high = max(high, near.value.xyz);
+    near = from_lane(4u); own[4] = near.at; low = min(low, near.value.xyz); high = max(high, near.value.xyz);
+    near = from_lane(5u); own[5] = near.at; low = min(low, near.value.xyz); high = max(high, near.value.xyz);
+    near = from_lane(6u); own[6] = near.at; low = min(low, near.value.xyz); high = max(high, near.value.xyz);
+    near = from_lane(7u); own[7] = near.at; low = min(low, near.value.xyz); high = max(high, near.value.xyz);
 
     let used = entries.x < entries.y;
     let through = high + params.kernel_radius >= params.box_size;
@@ -300,10 +300,10 @@ fn main(
     var first = 0u;
     var searches = 1u;
     for (var k = 0u; k < searches; k++) {
-        settle();
+        lane_barrier();
         window = HELD * k;
         let own_kind = search_all(home, air);
-        settle();
+        lane_barrier();
         if k == 0u {
             searches = (largest_in_workgroup(local, found) + HELD - 1u) / HELD;
             let batches = vec2u(own_kind, found - own_kind) / LANES;

@@ -8,14 +8,14 @@ import package::pictures::common::{view, chance};
 struct Hair {
     guide:  u32,  // index of the strand whose room it grows in
     seed:   u32,  // seed of the hair's random numbers
-    first:  u32,  // index of its follower's root in `course`
+    first:  u32,  // index of its follower's root in `keyframes`
     last:   u32,  // index of its follower's tip
     styled: f32,  // share of the waves, of the drawing together and of the shortening that it gets
 }
 
 @group(0) @binding(1) var<storage, read>       hair:    array<Hair>;
-@group(0) @binding(2) var<storage, read>       offsets: array<u32>;    // first point of each strand in `course` and `frame`, and the end
-@group(0) @binding(3) var<storage, read>       course:  array<vec4f>;  // points of strands, then of followers [m]
+@group(0) @binding(2) var<storage, read>       offsets: array<u32>;    // first point of each strand in `keyframes` and `frame`, and the end
+@group(0) @binding(3) var<storage, read>       keyframes:  array<vec4f>;  // points of strands, then of followers [m]
 @group(0) @binding(4) var<storage, read>       frame:   array<vec4f>;  // orientation of the segment that starts there; at a tip, of the clamp
 @group(0) @binding(5) var<storage, read_write> points:  array<vec4f>;  // xyz [m]; w: 0 at the root, 1 at the tip
 
@@ -40,12 +40,12 @@ fn rotate(q: vec4f, v: vec3f) -> vec3f {
 // Point `k` of a course; beyond an end, the mirror image of the point before it.
 fn at(first: u32, last: u32, k: i32) -> vec3f {
     if k < 0 {
-        return 2.0 * course[first].xyz - course[first + 1u].xyz;
+        return 2.0 * keyframes[first].xyz - keyframes[first + 1u].xyz;
     }
     if first + u32(k) > last {
-        return 2.0 * course[last].xyz - course[last - 1u].xyz;
+        return 2.0 * keyframes[last].xyz - keyframes[last - 1u].xyz;
     }
-    return course[first + u32(k)].xyz;
+    return keyframes[first + u32(k)].xyz;
 }
 
 fn catmull_rom(a: vec3f, b: vec3f, c: vec3f, d: vec3f, u: f32) -> vec3f {
@@ -86,7 +86,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let gather = mix(LOOSE, TIGHT, self_.styled * smoothstep(0.0, 1.0, s) * chance(self_.guide, 1u));
     let first = offsets[self_.guide];
     let last = offsets[self_.guide + 1u] - 1u;
-    let reach = distance(course[first].xyz, course[first + 1u].xyz) * f32(last - first);
+    let reach = distance(keyframes[first].xyz, keyframes[first + 1u].xyz) * f32(last - first);
 
     let stray = select(1.0, STRAY, chance(self_.seed, 2u) < STRAYS);
     let turns = 6.2831853 * vec3f(0.7 + chance(self_.seed, 3u), 1.6 + 1.4 * chance(self_.seed, 4u), chance(self_.seed, 5u));

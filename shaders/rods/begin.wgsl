@@ -26,9 +26,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     point.velocity = velocity[p].xyz + change;
     point.weight = points[p].weight;
     point.before = history.velocity + change;
-    point.carried = history.travel;
-    point.outside = change;
-    point.push = change - history.outside;
+    point.previous_move = history.displacement;
+    point.external_dv = change;
+    point.impulse_change = change - history.external_dv;
     point.rest_drift = history.rest_drift;
     point.pin = pins[p].place - position[p].xyz;
     point.pinned = select(0u, pins[p].held, w > 0.0);

@@ -23,8 +23,8 @@ const GRAZES: f32 = 0.01;     // distance from the surface at which a way enters
 
 // A point that a body carries along in the step.
 fn carried(body: Placed, point: RodPoint) -> Place {
-    let travel = (body.center - body.center_before) + turned_by(body.turn, point.start.xyz - body.center_before);
-    return Place(point.start.xyz, point.remainder, travel, 0.0);
+    let displacement = (body.center - body.center_before) + turned_by(body.turn, point.start.xyz - body.center_before);
+    return Place(point.start.xyz, point.remainder, displacement, 0.0);
 }
 
 // A contact as the step begins, with the surface seen from its place.
@@ -69,8 +69,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if s >= params.strands { return; }
     let strand = strands[s];
     let rod = rod_strands[s];
-    let forgets = rod.condition.bad != 0u || rod.state == TELEPORTED;
-    let sleeps = rod.condition.still == SLEEPS;
+    let forgets = rod.condition.failed != 0u || rod.state == TELEPORTED;
+    let sleeps = rod.condition.resting == SLEEPS;
     let bodies = arrayLength(&placed);
     var meets = false;
     var wakes = false;
@@ -96,7 +96,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             let ends = carried(body, point);
             let seen = seen_from(body, ends);
             let start = near(body, seen.base, seen.way);
-            let moves = length(ends.travel);
+            let moves = length(ends.displacement);
             let l = segments[strand.first_segment + max(k, 1u) - 1u].rest_length;
             meets = meets || start.distance - moves < strand.length;
             wakes = wakes || (sleeps && moves > 0.0 && start.distance - moves < l);

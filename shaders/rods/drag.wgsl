@@ -21,7 +21,7 @@
 import package::common::{
     params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, rod::{Strand, Segment, RodStrand, RodPoint},
     integration::{EULER, BDF2}, cells::{cell_of, in_box}, air::{Sampled, THIN}, wind::mean_wind,
-    share::{Stretch, owner_of, worker_of, stretch_of, largest_shared}, status::{frozen, count_many, EXCHANGE_LIMITED},
+    share::{Stretch, item_of, lane_of_item, stretch_of, largest_shared}, status::{frozen, count_many, EXCHANGE_LIMITED},
 };
 
 @group(0) @binding(2) var<storage, read>       strands:     array<Strand>;
@@ -141,10 +141,10 @@ fn drag(strand: Strand, own: Stretch, scheme: u32, write: bool) -> f32 {
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let at = invocation(id, groups);
-    let s = owner_of(at);
+    let s = item_of(at);
     if (s >= params.strands) | frozen() { return; }
     let strand = strands[s];
-    let own = stretch_of(strand.points, worker_of(at));
+    let own = stretch_of(strand.points, lane_of_item(at));
     var scheme = rod_strands[s].scheme;
     // Once, or with BDF2 twice: first it looks, then it writes. The call stands here once, as drivers inline it.
     var looks = scheme == BDF2;
@@ -154,7 +154,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         looks = false;
         if worst > STORMY {
             scheme = EULER;
-            if worker_of(at) == 0u { rod_strands[s].scheme = EULER; }
+            if lane_of_item(at) == 0u { rod_strands[s].scheme = EULER; }
         }
     }
 }

@@ -2,7 +2,7 @@
 //
 //   J -= dt m a
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, integration::PUT, matter::inverse_mass, rod::RodPoint, status::frozen,
+    params::params, dispatch::{invocation, WORKGROUP}, integration::KINEMATIC, matter::inverse_mass, rod::RodPoint, status::frozen,
 };
 
 @group(0) @binding(3) var<storage, read>       pushed:       array<vec4f>;   // m/s^2, hair points first
@@ -14,6 +14,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let p = invocation(id, groups);
     if (p >= params.hair_points) | frozen() { return; }
     let w = inverse_mass[p];
-    if w == 0.0 || rod_points[p].scheme == PUT { return; }
+    if w == 0.0 || rod_points[p].scheme == KINEMATIC { return; }
     drag_impulse[p] -= vec4f(params.step * rod_points[p].weight / w * pushed[p].xyz, 0.0);
 }

@@ -48,8 +48,8 @@ fn yielding(point: RodPoint) -> f32 {
 fn stretch_shear(k: u32, point: u32) {
     let segment = segments[k];
     let q = rod_segments[k].frame;
-    let start = rod_points[point].travel;
-    let end = rod_points[point + 1u].travel;
+    let start = rod_points[point].displacement;
+    let end = rod_points[point + 1u].displacement;
     let start_mass = yielding(rod_points[point]);
     let end_mass = yielding(rod_points[point + 1u]);
     let gap = rod_points[point + 1u].start.xyz - rod_points[point].start.xyz;
@@ -63,8 +63,8 @@ fn stretch_shear(k: u32, point: u32) {
     change = select(vec3f(0.0), change, matrix > vec3f(0.0));
     rod_segments[k].stretch = lambda + change;
     let pull = rotate(q, change);
-    rod_points[point].travel = start - start_mass / segment.rest_length * pull;
-    rod_points[point + 1u].travel = end + end_mass / segment.rest_length * pull;
+    rod_points[point].displacement = start - start_mass / segment.rest_length * pull;
+    rod_points[point + 1u].displacement = end + end_mass / segment.rest_length * pull;
     rod_segments[k].frame = turned(q, -segment.inverse_inertia * cross(tangent(q), pull));
 }
 

@@ -9,10 +9,10 @@
 // somebody: its frame turns onto its chord, what is left of the strain is cut, and the points beyond shift along, without a velocity.
 import package::common::{
     params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotate, rotation, tangent, turned_by},
-    integration::{PUT, STAY, EULER, free_move, response}, rest::STILL_STEPS, load::damping_of,
+    integration::{KINEMATIC, HOLD, EULER, free_move, response}, rest::RESTING_STEPS, load::damping_of,
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, SegmentHistory, FREE, SOLVED, TELEPORTED, ASLEEP, SLEEPS, NO_PIN, TIP_HELD, WHOLE, TURN,
         clamped},
-    sound::{FAR, FAST, within}, status::{status, frozen, freeze, count, EULER_STEP, ASLEEP_STEP, TELEPORT, UNMENDED_STRAND},
+    validity::{FAR, FAST, within}, status::{status, frozen, freeze, count, EULER_STEP, SLEEPING_STEP, TELEPORT, UNRECOVERED_STRAND},
 };
 
 @group(0) @binding(2) var<storage, read>       strands:         array<Strand>;
@@ -29,7 +29,7 @@ const OPPOSITE: f32 = 1e-4;    // 1 + cosine of two directions that no smallest 
 
 // Adds what forces from outside change of each point's velocity. Returns how much pushes the strand that did not while it came to rest
 // [m/s]: all of it on average, or one point by as much as bends the strand as far. A sleeper has no velocity but what viscosity gave it.
-fn load(strand: Strand, asleep: bool) -> f32 {
+fn load(strand: Strand, sleeping: bool) -> f32 {
     var movable = 0.0;
     var sum = vec3f(0.0);
     var largest = 0.0;
@@ -37,13 +37,13 @@ fn load(strand: Strand, asleep: bool) -> f32 {
         let p = strand.first_point + k;
         let point = rod_points[p];
         if point.inverse_mass == 0.0 { continue; }
-        let velocity = point.velocity - point.outside;
+        let velocity = point.velocity - point.external_dv;
         // Nothing is so fast: somebody wrote it where nobody looks.
-        if !within(velocity, FAST) && status.inspected == 0u { freeze(UNMENDED_STRAND); }
+        if !within(velocity, FAST) && status.inspected == 0u { freeze(UNRECOVERED_STRAND); }
         let felt = params.step * point.inverse_mass * (point.force - point.resistance * velocity);
-        rod_points[p].outside = point.outside + felt;
-        rod_points[p].push = point.push + felt;
-        let push = point.push + felt + select(vec3f(0.0), velocity, asleep);
+        rod_points[p].external_dv = point.external_dv + felt;
+        rod_points[p].impulse_change = point.impulse_change + felt;
+        let push = point.impulse_change + felt + select(vec3f(0.0), velocity, sleeping);
         movable += 1.0;
         sum += push;
         largest = max(largest, length(push));
@@ -76,11 +76,11 @@ fn pull(strand: Strand) -> Pins {
 }
 
 // Whether a strand whose clamp rests goes on at rest. A trembling strand feels a trembling drag, which must not wake it.
-fn rests(strand: Strand, still: u32, woken: bool, push: f32) -> bool {
-    let asleep = still == SLEEPS;
-    let rested = still >= STILL_STEPS && f32(still) * params.step >= strand.still_time;
-    let pushed = (asleep || params.model == PARTICLES) && push > strand.still_acceleration * params.step;
-    return rested && !pushed && !(asleep && woken);
+fn rests(strand: Strand, resting: u32, woken: bool, push: f32) -> bool {
+    let sleeping = resting == SLEEPS;
+    let rested = resting >= RESTING_STEPS && f32(resting) * params.step >= strand.still_time;
+    let pushed = (sleeping || params.model == PARTICLES) && push > strand.still_acceleration * params.step;
+    return rested && !pushed && !(sleeping && woken);
 }
 
 fn chord_of(p: u32) -> vec3f {
@@ -91,19 +91,19 @@ fn chord_of(p: u32) -> vec3f {
 // Places a strand: in its rest shape, unrolled from the clamp, where a tip that is held stays; or as it is, turned with its root and moved
 // with it. A sleeper remembers what pushed it when it fell asleep.
 fn place(strand: Strand, rod: RodStrand, at_rest: bool, sleeps: bool) {
-    let scheme = select(PUT, STAY, sleeps);
+    let scheme = select(KINEMATIC, HOLD, sleeps);
     var frame = rod.root_frame;
-    var travel = rod.root_travel;
+    var displacement = rod.root_displacement;
     var offset = vec3f(0.0);   // from the root, as it is
     var rest = vec3f(0.0);     // and at rest
     for (var k = 0u; k < strand.points; k++) {
         let p = strand.first_point + k;
-        rod_points[p].travel = travel;
+        rod_points[p].displacement = displacement;
         rod_points[p].scheme = scheme;
         if !sleeps {
             rod_points[p].force = vec3f(0.0);
             rod_points[p].resistance = 0.0;
-            rod_points[p].outside = vec3f(0.0);
+            rod_points[p].external_dv = vec3f(0.0);
         }
         if k + 1u == strand.points { break; }
         let j = strand.first_segment + k;
@@ -125,7 +125,7 @@ fn place(strand: Strand, rod: RodStrand, at_rest: bool, sleeps: bool) {
         rest += segments[j].rest_length * tangent(frame);
         let end = select(rotate(rod.root_turn, offset), rest, at_rest);
         let stays = at_rest & ((strand.joints & TIP_HELD) != 0u) & (k + 2u == strand.points);
-        travel = select(rod.root_travel + end - offset, rod.tip_travel, stays);
+        displacement = select(rod.root_displacement + end - offset, rod.tip_displacement, stays);
     }
 }
 
@@ -144,19 +144,19 @@ fn set_off(strand: Strand, rod: RodStrand) {
     // Hair that comes out of a body gathers no speed.
     let keeps = f32(rod.comes_out == 0u);
     var here = rod_points[strand.first_point];
-    var travel = select(params.step * keeps * here.velocity, rod.root_travel, here.inverse_mass == 0.0);
+    var displacement = select(params.step * keeps * here.velocity, rod.root_displacement, here.inverse_mass == 0.0);
     var shift = vec3f(0.0);   // m, of the points beyond what was made whole
     for (var k = 0u; k < strand.points; k++) {
         let p = strand.first_point + k;
         let held = here.inverse_mass == 0.0;
         let damping = damping_of(here);
         let acceleration = here.weight * params.gravity + here.inverse_mass * here.force;
-        let moves = free_move(keeps * here.velocity, keeps * here.before, keeps * here.carried, acceleration, damping, scheme);
-        let free = select(moves, select(rod.tip_travel - shift, rod.root_travel, k == 0u), held);
+        let moves = free_move(keeps * here.velocity, keeps * here.before, keeps * here.previous_move, acceleration, damping, scheme);
+        let free = select(moves, select(rod.tip_displacement - shift, rod.root_displacement, k == 0u), held);
         rod_points[p].free = free;
         rod_points[p].pin = select(here.pin - shift, free, held);
-        rod_points[p].reply = response(damping, scheme) * here.inverse_mass;
-        rod_points[p].travel = select(free, travel, direct);
+        rod_points[p].effective_inverse_mass = response(damping, scheme) * here.inverse_mass;
+        rod_points[p].displacement = select(free, displacement, direct);
         rod_points[p].scheme = scheme;
         rod_points[p].remainder = here.remainder + shift;
         if k + 1u == strand.points { break; }
@@ -170,7 +170,7 @@ fn set_off(strand: Strand, rod: RodStrand) {
         var strain = chord - l * tangent(start);
         if direct && !(length(strain) <= WHOLE * l) {
             // No strand is so long: somebody wrote it where nobody looks.
-            if !(length(chord) < FAR * l) && status.inspected == 0u { freeze(UNMENDED_STRAND); }
+            if !(length(chord) < FAR * l) && status.inspected == 0u { freeze(UNRECOVERED_STRAND); }
             if length(chord) > SHORTEST * l { start = onto(chord, start); }
             let left = chord - l * tangent(start);
             strain = clamped(left, WHOLE * l);
@@ -181,7 +181,7 @@ fn set_off(strand: Strand, rod: RodStrand) {
             free_move(keeps * history.angular_velocity, keeps * history.before, keeps * history.turn, vec3f(0.0), params.damping, scheme),
         );
         let frame = normalize(product(select(free_turn, turn, direct), start));
-        travel += turned_by(turn, l * tangent(start) + strain);
+        displacement += turned_by(turn, l * tangent(start) + strain);
         var segment = RodSegment();
         segment.start = start;
         segment.frame = frame;
@@ -202,25 +202,25 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let strand = strands[s];
     let rod = rod_strands[s];
     var condition = rod.condition;
-    let resets = condition.bad != 0u;
+    let resets = condition.failed != 0u;
     let jumps = resets || rod.state == TELEPORTED;
-    let push = load(strand, condition.still == SLEEPS);
+    let push = load(strand, condition.resting == SLEEPS);
     let pins = pull(strand);
     let woken = rod.woken != 0u || pins.farthest > strand.still_way;
-    let sleeps = !jumps && rod.state == ASLEEP && rests(strand, condition.still, woken, push);
+    let sleeps = !jumps && rod.state == ASLEEP && rests(strand, condition.resting, woken, push);
     var state = rod.state;
     if jumps | sleeps {
         place(strand, rod, resets, sleeps);
-        if resets { state = SOLVED; } else { count(select(TELEPORT, ASLEEP_STEP, sleeps)); }
-        condition.still = select(0u, SLEEPS, sleeps);
+        if resets { state = SOLVED; } else { count(select(TELEPORT, SLEEPING_STEP, sleeps)); }
+        condition.resting = select(0u, SLEEPS, sleeps);
     } else {
         set_off(strand, rod);
         state = FREE;
-        if condition.still == SLEEPS { condition.still = 0u; }
+        if condition.resting == SLEEPS { condition.resting = 0u; }
         if rod.scheme == EULER && params.bdf2 != 0u { count(EULER_STEP); }
     }
     if jumps { rod_strands[s].pin_force = vec3f(0.0); }
-    condition.bad = 0u;
+    condition.failed = 0u;
     condition.bdf2_ready = select(u32(!jumps), condition.bdf2_ready, sleeps);
     rod_strands[s].state = state;
     rod_strands[s].newton = 0u;

@@ -13,13 +13,13 @@ import package::common::{
 var<private> given: vec3f;
 
 // Where an entry is none the cluster's own particle is asked for, which is air: what is read then counts for nothing, but must be a number.
-fn see(i: u32) -> Near {
+fn load_neighbour(i: u32) -> Near {
     let p = min(i, params.hair_points - 1u);
     let point = sampled[p];
     return Near(p, point.position, 0.0, drag_impulse[p] / max(point.filled, THIN), vec4f());
 }
 
-fn meet(other: Pair) {
+fn accumulate(other: Pair) {
     given += other.kernel * other.value.xyz;
 }
 

@@ -17,13 +17,13 @@ var<private> filled: f32;
 var<private> relative: vec3f;
 
 // A point of hair has no volume here, and a one where air has none.
-fn see(j: u32) -> Near {
+fn load_neighbour(j: u32) -> Near {
     let other = predicted[j];
     let air = is_air(j);
     return Near(j, other.xyz, select(0.0, other.w, air), vec4f(new_velocity[j].xyz, select(1.0, 0.0, air)), vec4f());
 }
 
-fn meet(other: Pair) {
+fn accumulate(other: Pair) {
     let kernel = other.kernel;
     hair += other.value.w * kernel;
     let share = other.volume * kernel;

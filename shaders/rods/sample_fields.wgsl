@@ -4,7 +4,7 @@
 //   two-way   u += (1 - min(theta, 1/2)/(1/2)) sum_f u_f(y)
 //   others    u = U + sum_f u_f(x + dt v)
 import package::common::{
-    params::{params, TWO_WAY}, dispatch::{invocation, WORKGROUP}, status::frozen, wind::mean_wind, air::{Sampled, THIN}, gale::gale_at,
+    params::{params, TWO_WAY}, dispatch::{invocation, WORKGROUP}, status::frozen, wind::mean_wind, air::{Sampled, THIN}, force_field_velocity::field_velocity_at,
 };
 
 @group(0) @binding(2) var<storage, read>       position: array<vec4f>;
@@ -19,6 +19,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if params.model != TWO_WAY {
         air = Sampled(position[p].xyz + params.step * velocity[p].xyz, 0.0, mean_wind(), 0.0);
     }
-    air.wind += (1.0 - min(air.filled, THIN) / THIN) * gale_at(air.position).wind;
+    air.wind += (1.0 - min(air.filled, THIN) / THIN) * field_velocity_at(air.position).wind;
     sampled[p] = air;
 }

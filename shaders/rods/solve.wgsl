@@ -50,9 +50,9 @@ struct Eliminated {
 fn pin_point(beyond: Beyond, point: RodPoint) -> Beyond {
     var sum = beyond;
     if point.pinned == 0u { return sum; }
-    let k = PIN / point.reply;
+    let k = PIN / point.effective_inverse_mass;
     sum.own.diagonal += vec3f(k);
-    sum.force += k * (point.travel - point.pin) + point.pin_force;
+    sum.force += k * (point.displacement - point.pin) + point.pin_force;
     return sum;
 }
 
@@ -76,9 +76,9 @@ fn eliminate(strand: Strand, rod: RodStrand, change: vec3f) -> Eliminated {
         let now = rod_segments[j];
         let axes = matrix(frame);
         let l = segment.rest_length;
-        let mass = select(1.0 / point.reply, 0.0, point.reply == 0.0);
+        let mass = select(1.0 / point.effective_inverse_mass, 0.0, point.effective_inverse_mass == 0.0);
         beyond.own.diagonal += vec3f(mass);
-        beyond.force += mass * (point.travel - point.free);
+        beyond.force += mass * (point.displacement - point.free);
         beyond = push_point(pin_point(beyond, point), rod, strand.first_point + k + 1u);
         if k + 1u == rod.pin {
             holds = true;
@@ -117,9 +117,9 @@ fn eliminate(strand: Strand, rod: RodStrand, change: vec3f) -> Eliminated {
     }
     let root = rod_points[strand.first_point];
     var root_move = vec3f(0.0);
-    if root.reply > 0.0 {
-        beyond.own.diagonal += vec3f(1.0 / root.reply);
-        beyond.force += (root.travel - root.free) / root.reply;
+    if root.effective_inverse_mass > 0.0 {
+        beyond.own.diagonal += vec3f(1.0 / root.effective_inverse_mass);
+        beyond.force += (root.displacement - root.free) / root.effective_inverse_mass;
         beyond = push_point(pin_point(beyond, root), rod, strand.first_point);
         let floats = through(beyond, Spring(), holds);
         root_move = -floats.answer.constant;
@@ -127,7 +127,7 @@ fn eliminate(strand: Strand, rod: RodStrand, change: vec3f) -> Eliminated {
     }
     if !holds { return Eliminated(root_move, vec3f(0.0)); }
     let pinned = rod_points[strand.first_point + rod.pin];
-    return Eliminated(root_move, change + applied(inverse_of(beyond.give), pinned.travel - pinned.pin - beyond.given));
+    return Eliminated(root_move, change + applied(inverse_of(beyond.give), pinned.displacement - pinned.pin - beyond.given));
 }
 
 // How a joint turns less, and a segment gives, in the Newton step, by the turn before and the move of the segment's first point.
@@ -159,10 +159,10 @@ fn substitute(strand: Strand, rod: RodStrand, root_move: vec3f, part: f32) -> f3
     var most = 0.0;
     var shift = root_move;     // v, to first order
     var turn = vec3f(0.0);     // w
-    var travel_before = rod_points[strand.first_point].travel;
-    var travel = travel_before + part * root_move;
-    rod_points[strand.first_point].travel = travel;
-    foresee(rod, strand.first_point, rod_points[strand.first_point].reply, root_move);
+    var travel_before = rod_points[strand.first_point].displacement;
+    var displacement = travel_before + part * root_move;
+    rod_points[strand.first_point].displacement = displacement;
+    foresee(rod, strand.first_point, rod_points[strand.first_point].effective_inverse_mass, root_move);
     for (var k = 0u; k < strand.points - 1u; k++) {
         let j = strand.first_segment + k;
         let p = strand.first_point + k + 1u;
@@ -175,15 +175,15 @@ fn substitute(strand: Strand, rod: RodStrand, root_move: vec3f, part: f32) -> f3
         shift += cross(turn, along + now.strain);
         let stretch = stretch_of(factors[j], turn, shift);
         shift -= stretch;
-        foresee(rod, p, rod_points[p].reply, shift);
+        foresee(rod, p, rod_points[p].effective_inverse_mass, shift);
         let strain = clamped(now.strain - part * stretch, WHOLE * l);
         most = max(most, max(length(turn), length(strain - now.strain) / l));
 
         let rotated = rotation(part * turn);
-        let chord = rod_points[p].travel - travel_before;
-        travel_before = rod_points[p].travel;
-        travel += chord + turned_by(rotated, along + strain) + (strain - now.strain);
-        rod_points[p].travel = travel;
+        let chord = rod_points[p].displacement - travel_before;
+        travel_before = rod_points[p].displacement;
+        displacement += chord + turned_by(rotated, along + strain) + (strain - now.strain);
+        rod_points[p].displacement = displacement;
         let turned = normalize(product(rotated, now.turn));
         rod_segments[j].turn = turned;
         rod_segments[j].frame = normalize(product(turned, now.start));
@@ -195,11 +195,11 @@ fn substitute(strand: Strand, rod: RodStrand, root_move: vec3f, part: f32) -> f3
 // Hair that comes out of a body goes its way through the step, beside that of its root, only in part, so that no point of it is faster than
 // RECOVERY: all frames turn by that part.
 fn crawl(strand: Strand, rod: RodStrand) {
-    let root = rod_points[strand.first_point].travel;
+    let root = rod_points[strand.first_point].displacement;
     var far = 0.0;
-    for (var k = 0u; k < strand.points; k++) { far = max(far, distance(rod_points[strand.first_point + k].travel, root)); }
+    for (var k = 0u; k < strand.points; k++) { far = max(far, distance(rod_points[strand.first_point + k].displacement, root)); }
     let part = min(1.0, RECOVERY * params.step / far);
-    var travel = root;
+    var displacement = root;
     for (var k = 0u; k < strand.points - 1u; k++) {
         let p = strand.first_point + k;
         let j = strand.first_segment + k;
@@ -208,11 +208,11 @@ fn crawl(strand: Strand, rod: RodStrand) {
         let turn = rotation(part * rotation_vector(now.turn));
         let frame = normalize(product(turn, now.start));
         let strain = rotate(turn, rotate(conjugate(now.turn), now.strain));
-        travel += segments[j].rest_length * tangent(frame) + strain - chord;
+        displacement += segments[j].rest_length * tangent(frame) + strain - chord;
         rod_segments[j].turn = turn;
         rod_segments[j].frame = frame;
         rod_segments[j].strain = strain;
-        rod_points[p + 1u].travel = travel;
+        rod_points[p + 1u].displacement = displacement;
     }
 }
 
@@ -221,20 +221,20 @@ fn finish(strand: Strand, rod: RodStrand, touches: bool) {
     let last = strand.first_point + strand.points - 1u;
     var shift = vec3f(0.0);    // m, of all points,
     var spread = vec3f(0.0);   // and of the tip
-    if (strand.joints & TIP_HELD) != 0u { spread = rod_points[last].free - rod_points[last].travel; }
+    if (strand.joints & TIP_HELD) != 0u { spread = rod_points[last].free - rod_points[last].displacement; }
     if (strand.joints & (ROOT_HELD | TIP_HELD)) == 0u && !touches && rod.pin >= strand.points {
         var momentum = vec4f(0.0);
         for (var p = strand.first_point; p <= last; p++) {
-            momentum += vec4f(rod_points[p].free - rod_points[p].travel, 1.0) / rod_points[p].reply;
+            momentum += vec4f(rod_points[p].free - rod_points[p].displacement, 1.0) / rod_points[p].effective_inverse_mass;
         }
         shift = momentum.xyz / momentum.w;
     }
     for (var k = 0u; k < strand.points; k++) {
         let point = rod_points[strand.first_point + k];
         if (point.pinned != 0u) & (rod.state == SOLVED) {
-            rod_points[strand.first_point + k].pin_force += PIN / point.reply * (point.travel - point.pin);
+            rod_points[strand.first_point + k].pin_force += PIN / point.effective_inverse_mass * (point.displacement - point.pin);
         }
-        rod_points[strand.first_point + k].travel += shift + f32(k) / f32(strand.points - 1u) * spread;
+        rod_points[strand.first_point + k].displacement += shift + f32(k) / f32(strand.points - 1u) * spread;
     }
 }
 
@@ -260,7 +260,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         rod.pin_force += step * eliminated.pin_force;
         if first == 0u {
             let pinned = rod_points[strand.first_point + rod.pin];
-            most = max(most, length(pinned.travel - pinned.pin) / strand.length);
+            most = max(most, length(pinned.displacement - pinned.pin) / strand.length);
         }
         if rod.newton == 0u { rod.settled = max(SETTLED, RELATIVE * most); }
         rod.newton++;

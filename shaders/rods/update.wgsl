@@ -1,13 +1,13 @@
 // Hair goes where its rods took it, with the velocity of that move; and the health of each strand: stretch is recorded, over-strain and rest
 // are counted, steps on end. A strand that is not finite, or of which a segment has become a thousand times too long, is held where it was
 // for this step, so that it spoils no neighbour, and is reset in the next. If nobody looked at the strands when the step began, it may have
-// been lost already: the step freezes, and is taken again with the passes that mend strands.
+// been lost already: the step freezes, and is taken again with the passes that recover strands.
 import package::common::{
-    params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, integration::{PUT, rate}, place::placed,
-    rest::{STILL_STEPS, STILL_TURN}, sound::FAR,
-    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, FREE, SLEEPS, STRAINED_STEPS, strained_steps, ROOT_HELD, BAD},
-    share::{Stretch, owner_of, worker_of, stretch_of, largest_shared, least_shared, any_shared},
-    status::{status, frozen, freeze, count, count_bad_strand, finite, finite3, finite4, OVER_STRAINED, UNSOLVED_STEP, UNMENDED_STRAND,
+    params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, integration::{KINEMATIC, rate}, place::placed,
+    rest::{RESTING_STEPS, STILL_TURN}, validity::FAR,
+    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, FREE, SLEEPS, STRAINED_STEPS, strained_steps, ROOT_HELD, FAILED},
+    share::{Stretch, item_of, lane_of_item, stretch_of, largest_shared, least_shared, any_shared},
+    status::{status, frozen, freeze, count, count_bad_strand, finite, finite3, finite4, OVER_STRAINED, UNSOLVED_STEP, UNRECOVERED_STRAND,
         BY_UPDATE, NO_POINT},
 };
 
@@ -21,11 +21,11 @@ import package::common::{
 
 // Where it became still when the step began: by then contacts and viscosity have had their say. With the model PARTICLES, whose
 // pushes nothing remembers, it must not be pushed either. A strand that nothing holds may drift as slowly as it will.
-fn still(strand: Strand, own: Stretch) -> bool {
+fn resting(strand: Strand, own: Stretch) -> bool {
     if (strand.joints & ROOT_HELD) == 0u { return false; }
     for (var k = own.begin; k < own.end; k++) {
         let point = rod_points[strand.first_point + k];
-        let pushed = params.model == PARTICLES && length(point.push) > strand.still_acceleration * params.step;
+        let pushed = params.model == PARTICLES && length(point.impulse_change) > strand.still_acceleration * params.step;
         if pushed || !(length(point.rest_drift) <= strand.still_way) { return false; }
         if k + 1u == strand.points { continue; }
         if !(length(rod_segments[strand.first_segment + k].rest_drift) <= STILL_TURN) { return false; }
@@ -44,10 +44,10 @@ fn measure(strand: Strand, own: Stretch) -> Measured {
     var before = rod_points[strand.first_point + own.before];
     for (var k = own.before; k < own.end; k++) {
         let here = rod_points[strand.first_point + k];
-        var whole = finite3(here.travel);
+        var whole = finite3(here.displacement);
         if k > own.before {
             let j = strand.first_segment + k - 1u;
-            let chord = (here.start.xyz - before.start.xyz) + (here.remainder - before.remainder) + (here.travel - before.travel);
+            let chord = (here.start.xyz - before.start.xyz) + (here.remainder - before.remainder) + (here.displacement - before.displacement);
             whole = whole & finite4(rod_segments[j].frame);
             measured.stretch = max(measured.stretch, abs(length(chord) / segments[j].rest_length - 1.0));
         }
@@ -63,24 +63,24 @@ fn hold(strand: Strand, own: Stretch) {
         let p = strand.first_point + k;
         rod_points[p].force = vec3f(0.0);
         rod_points[p].resistance = 0.0;
-        rod_points[p].outside = vec3f(0.0);
-        rod_points[p].travel = vec3f(0.0);
-        rod_points[p].scheme = PUT;
+        rod_points[p].external_dv = vec3f(0.0);
+        rod_points[p].displacement = vec3f(0.0);
+        rod_points[p].scheme = KINEMATIC;
         if k + 1u == strand.points { continue; }
         let j = strand.first_segment + k;
         rod_segments[j].frame = rod_segments[j].start;
-        rod_segments[j].scheme = PUT;
+        rod_segments[j].scheme = KINEMATIC;
     }
 }
 
-// A strand that was still for so many steps on end takes what acts on it from outside as a mean over them, or over the last STILL_STEPS: it
+// A strand that was still for so many steps on end takes what acts on it from outside as a mean over them, or over the last RESTING_STEPS: it
 // trembles, and so does its drag. From a step in which it was not still it may become so.
 fn rest(strand: Strand, own: Stretch, steps: u32) {
-    let part = 1.0 - 1.0 / f32(clamp(steps, 1u, STILL_STEPS));
+    let part = 1.0 - 1.0 / f32(clamp(steps, 1u, RESTING_STEPS));
     for (var k = own.begin; k < own.end; k++) {
         let p = strand.first_point + k;
         if steps > 0u {
-            rod_points[p].outside -= part * rod_points[p].push;
+            rod_points[p].external_dv -= part * rod_points[p].impulse_change;
             continue;
         }
         rod_points[p].rest_drift = vec3f(0.0);
@@ -88,16 +88,16 @@ fn rest(strand: Strand, own: Stretch, steps: u32) {
     }
 }
 
-fn go(strand: Strand, own: Stretch, tip_travel: vec3f) {
+fn go(strand: Strand, own: Stretch, tip_displacement: vec3f) {
     for (var k = own.begin; k < own.end; k++) {
         let p = strand.first_point + k;
         let point = rod_points[p];
-        let place = placed(point.start.xyz, point.remainder, point.travel);
-        let velocity = rate(point.travel, point.carried, point.scheme);
+        let place = placed(point.start.xyz, point.remainder, point.displacement);
+        let velocity = rate(point.displacement, point.previous_move, point.scheme);
         // A tip that is held goes where it is held, to the bit.
         let held = (k > 0u) & (point.inverse_mass == 0.0);
-        predicted[p] = vec4f(select(place, point.start.xyz + tip_travel, held), point.start.w);
-        new_velocity[p] = vec4f(select(velocity, tip_travel / params.step, held), 0.0);
+        predicted[p] = vec4f(select(place, point.start.xyz + tip_displacement, held), point.start.w);
+        new_velocity[p] = vec4f(select(velocity, tip_displacement / params.step, held), 0.0);
         rod_points[p].before = point.velocity;
     }
 }
@@ -105,33 +105,33 @@ fn go(strand: Strand, own: Stretch, tip_travel: vec3f) {
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let at = invocation(id, groups);
-    let s = owner_of(at);
-    let speaks = worker_of(at) == 0u;   // for the strand
+    let s = item_of(at);
+    let is_leader = lane_of_item(at) == 0u;   // for the strand
     // Strands that are lost freeze the step from here on, and all of those that share a strand stay or leave.
     if (s >= params.strands) | any_shared(frozen()) { return; }
     let strand = strands[s];
-    let own = stretch_of(strand.points, worker_of(at));
+    let own = stretch_of(strand.points, lane_of_item(at));
     let rod = rod_strands[s];
     var condition = rod.condition;
     let measured = measure(strand, own);
     if measured.lost != NO_POINT || !finite(measured.stretch) || measured.stretch >= FAR {
-        if status.inspected == 0u { freeze(UNMENDED_STRAND); }
+        if status.inspected == 0u { freeze(UNRECOVERED_STRAND); }
         hold(strand, own);
-        condition.bad = BAD;
+        condition.failed = FAILED;
         condition.bdf2_ready = 0u;
-        if speaks { count_bad_strand(min(measured.lost, strand.first_point + strand.points - 1u), BY_UPDATE); }
+        if is_leader { count_bad_strand(min(measured.lost, strand.first_point + strand.points - 1u), BY_UPDATE); }
     } else {
         condition.strained = strained_steps(condition.strained, measured.stretch);
-        if params.sleep != 0u && condition.still != SLEEPS {
-            condition.still = select(0u, min(condition.still, SLEEPS - 2u) + 1u, !any_shared(!still(strand, own)));
-            rest(strand, own, condition.still);
+        if params.sleep != 0u && condition.resting != SLEEPS {
+            condition.resting = select(0u, min(condition.resting, SLEEPS - 2u) + 1u, !any_shared(!resting(strand, own)));
+            rest(strand, own, condition.resting);
         }
-        if speaks {
+        if is_leader {
             atomicMax(&status.stretch, bitcast<u32>(measured.stretch));
             if condition.strained == STRAINED_STEPS { count(OVER_STRAINED); }
             if (params.direct_rods != 0u && rod.state == FREE) || rod.comes_out != 0u { count(UNSOLVED_STEP); }
         }
     }
-    go(strand, own, rod.tip_travel);
-    if speaks { rod_strands[s].condition = condition; }
+    go(strand, own, rod.tip_displacement);
+    if is_leader { rod_strands[s].condition = condition; }
 }

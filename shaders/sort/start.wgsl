@@ -2,7 +2,7 @@
 // Clusters of hair come first.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, cells::{rows, buckets}, lanes::LANES, row::Row,
-    share::{SHARE, owner_of, worker_of, added}, status::frozen,
+    share::{SHARE, item_of, lane_of_item, added}, status::frozen,
 };
 
 @group(0) @binding(2) var<storage, read>       cell_rows:  array<Row>;
@@ -13,8 +13,8 @@ import package::common::{
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let at = invocation(id, groups);
-    let row = owner_of(at);
-    let worker = worker_of(at);
+    let row = item_of(at);
+    let worker = lane_of_item(at);
     if (row >= rows()) | frozen() { return; }
     let cells = u32(params.cells.x);
     let before = cell_rows[row];

@@ -24,13 +24,13 @@ const SLOWEST: f32 = 1e-30;    // m/s, of I U: without it air at rest in a band 
 var<private> length_of_omega: f32;
 var<private> eta: vec3f;
 
-fn see(j: u32) -> Near {
+fn load_neighbour(j: u32) -> Near {
     let other = predicted[j];
     let there = (params.published_law != 0u) | is_air(j);
     return Near(j, other.xyz, select(0.0, other.w, there), select(vec4f(), vorticity[j], there), vec4f());
 }
 
-fn meet(other: Pair) {
+fn accumulate(other: Pair) {
     eta += (other.value.w - length_of_omega) * gradient_to(other);
 }
 

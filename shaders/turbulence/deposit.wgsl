@@ -2,7 +2,7 @@
 // nodes.
 import package::common::{
     dispatch::{invocation, WORKGROUP}, status::frozen, mesh::node_index, deposit::{mesh, block_of, deposit, Part, BLOCK},
-    share::{SHARE, owner_of, worker_of}, smoothing::next4,
+    share::{SHARE, item_of, lane_of_item}, smoothing::next4,
 };
 
 @group(0) @binding(4) var<storage, read>       sorted_position: array<vec4f>;
@@ -42,15 +42,15 @@ fn write(block: vec3i, nodes: vec3i, worker: u32) {
         kept = array(sum_01, sum_11);
         given = array(sum_00, sum_10);
     }
-    kept[0] += shown_by(given[0], 4u);
-    kept[1] += shown_by(given[1], 4u);
+    kept[0] += from_lane(given[0], 4u);
+    kept[1] += from_lane(given[1], 4u);
     var row = kept[0];
     var other_row = kept[1];
     if own.y {
         row = kept[1];
         other_row = kept[0];
     }
-    let values = transpose(row + shown_by(other_row, 2u));
+    let values = transpose(row + from_lane(other_row, 2u));
     let first = select(values[0], values[2], own.x) + subgroupShuffleXor(select(values[2], values[0], own.x), 1u);
     let second = select(values[1], values[3], own.x) + subgroupShuffleXor(select(values[3], values[1], own.x), 1u);
     let node = block + select(vec3i(0), vec3i(2, 1, 1), own);
@@ -59,7 +59,7 @@ fn write(block: vec3i, nodes: vec3i, worker: u32) {
 }
 
 @if(subgroups && !software)
-fn shown_by(sums: mat4x4f, other: u32) -> mat4x4f {
+fn from_lane(sums: mat4x4f, other: u32) -> mat4x4f {
     return mat4x4f(
         subgroupShuffleXor(sums[0], other), subgroupShuffleXor(sums[1], other),
         subgroupShuffleXor(sums[2], other), subgroupShuffleXor(sums[3], other),
@@ -88,9 +88,9 @@ fn write(block: vec3i, nodes: vec3i, worker: u32) {
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let nodes = mesh.nodes;
     let at = invocation(id, groups);
-    let block = block_of(owner_of(at));
+    let block = block_of(item_of(at));
     if (block.z >= nodes.z) | frozen() { return; }
     per_spacing = 1.0 / mesh.spacing;
-    deposit(block, nodes, Part(worker_of(at), SHARE, 0u, 1u));
-    write(block, nodes, worker_of(at));
+    deposit(block, nodes, Part(lane_of_item(at), SHARE, 0u, 1u));
+    write(block, nodes, lane_of_item(at));
 }

@@ -11,7 +11,7 @@ import package::common::{
 @group(0) @binding(2) var<uniform>             mesh:      Mesh;
 @group(0) @binding(3) var<storage, read>       taps:      array<vec4f>;   // two at a time: taps of g (x, z) and of g'' [1/m^2] (y, w)
 @group(0) @binding(4) var<storage, read>       deposited: array<vec4f>;   // D: xyz [m^4/s]; w [m^3]
-@group(0) @binding(5) var<storage, read_write> smoothed:  array<vec4f>;   // G: xyz [m^4/s]; w [m^3]
+@group(0) @binding(5) var<storage, read_write> smooth_x:  array<vec4f>;   // G: xyz [m^4/s]; w [m^3]
 @group(0) @binding(6) var<storage, read_write> curvature: array<vec4f>;   // C: xyz [m^2/s]
 
 var<private> gauss: vec4f;
@@ -48,7 +48,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         at = select(at + 1, begin, at + 1 == end);
     }
     for (var x = place; x < min(place + ROW, nodes.x); x++) {
-        smoothed[begin + x] = sum[0];
+        smooth_x[begin + x] = sum[0];
         curvature[begin + x] = vec4f(bent[0], 0.0);
         sum = next4(sum);
         bent = next3(bent);

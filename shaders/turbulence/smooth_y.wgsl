@@ -7,10 +7,10 @@ import package::common::{
 
 @group(0) @binding(2) var<uniform>             mesh:               Mesh;
 @group(0) @binding(3) var<storage, read>       taps:               array<vec4f>;
-@group(0) @binding(4) var<storage, read>       smoothed:           array<vec4f>;
+@group(0) @binding(4) var<storage, read>       smooth_x:           array<vec4f>;
 @group(0) @binding(5) var<storage, read>       curvature:          array<vec4f>;
-@group(0) @binding(6) var<storage, read_write> smoother:           array<vec4f>;   // G: xyz [m^4/s]; w [m^3]
-@group(0) @binding(7) var<storage, read_write> smoother_curvature: array<vec4f>;   // C: xyz [m^2/s]
+@group(0) @binding(6) var<storage, read_write> smooth_xy:           array<vec4f>;   // G: xyz [m^4/s]; w [m^3]
+@group(0) @binding(7) var<storage, read_write> curvature_xy: array<vec4f>;   // C: xyz [m^2/s]
 
 var<private> gauss: vec4f;
 var<private> curve: vec4f;
@@ -20,7 +20,7 @@ var<private> bent: mat4x3f;
 fn take(tap: vec2f, node: i32) {
     gauss = moved(gauss, tap.x);
     curve = moved(curve, tap.y);
-    let value = smoothed[node];
+    let value = smooth_x[node];
     sum += spread(value, gauss);
     bent += spread3(value.xyz, curve) + spread3(curvature[node].xyz, gauss);
 }
@@ -49,8 +49,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         at = select(at + stride, begin, at + stride == end);
     }
     for (var y = place; y < min(place + ROW, nodes.y); y++) {
-        smoother[begin + stride * y] = sum[0];
-        smoother_curvature[begin + stride * y] = vec4f(bent[0], 0.0);
+        smooth_xy[begin + stride * y] = sum[0];
+        curvature_xy[begin + stride * y] = vec4f(bent[0], 0.0);
         sum = next4(sum);
         bent = next3(bent);
     }

@@ -7,8 +7,8 @@ import package::common::{
 
 @group(0) @binding(2) var<uniform>             mesh:               Mesh;
 @group(0) @binding(3) var<storage, read>       taps:               array<vec4f>;
-@group(0) @binding(4) var<storage, read>       smoother:           array<vec4f>;
-@group(0) @binding(5) var<storage, read>       smoother_curvature: array<vec4f>;
+@group(0) @binding(4) var<storage, read>       smooth_xy:           array<vec4f>;
+@group(0) @binding(5) var<storage, read>       curvature_xy: array<vec4f>;
 @group(0) @binding(6) var<storage, read_write> curvature:          array<vec4f>;   // C: xyz [m^2/s]; w: smoothed volume S [m^3]
 
 var<private> gauss: vec4f;
@@ -19,9 +19,9 @@ var<private> bent: mat4x3f;
 fn take(tap: vec2f, node: i32) {
     gauss = moved(gauss, tap.x);
     curve = moved(curve, tap.y);
-    let value = smoother[node];
+    let value = smooth_xy[node];
     volume += value.w * gauss;
-    bent += spread3(value.xyz, curve) + spread3(smoother_curvature[node].xyz, gauss);
+    bent += spread3(value.xyz, curve) + spread3(curvature_xy[node].xyz, gauss);
 }
 
 @compute @workgroup_size(WORKGROUP)

@@ -23,13 +23,13 @@ fn entry(id: vec3u, groups: vec3u) -> u32 {
 }
 
 // Who does not count has nothing in the field that means anything.
-fn see(j: u32) -> Near {
+fn load_neighbour(j: u32) -> Near {
     let other = predicted[j];
     let there = counts(j);
     return Near(j, other.xyz, select(0.0, other.w, there), select(vec4f(), field[j], there), vec4f());
 }
 
-fn meet(other: Pair) {
+fn accumulate(other: Pair) {
     // grad_j W = -grad_i W
     omega -= cross(other.value.xyz - value, gradient_to(other));
 }

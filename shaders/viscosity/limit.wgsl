@@ -16,12 +16,12 @@ var<private> thickness: f32;
 var<private> sum: f32;
 
 // In place of the volume its root.
-fn see(j: u32) -> Near {
+fn load_neighbour(j: u32) -> Near {
     let other = predicted[j];
     return Near(j, other.xyz, sqrt(other.w), vec4f(density[j], viscosity_of(j, exchange[j].deformation), 0.0, 0.0), vec4f());
 }
 
-fn meet(other: Pair) {
+fn accumulate(other: Pair) {
     let weight = 2.0 * root * other.volume * other.kernel / (thickness + other.value.x);
     sum += select(min(coefficient, other.value.y) * weight, 0.0, holds(own_strand, other.index));
 }

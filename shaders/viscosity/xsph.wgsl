@@ -27,7 +27,7 @@ var<private> exchanged: f32;
 var<private> sum: vec3f;
 
 // In place of the volume its root.
-fn see(j: u32) -> Near {
+fn load_neighbour(j: u32) -> Near {
     let other = predicted[j];
     let value = vec4f(new_velocity[j].xyz, density[j]);
     let exchanges = exchange[j];
@@ -35,7 +35,7 @@ fn see(j: u32) -> Near {
     return Near(j, other.xyz, sqrt(other.w), value, more);
 }
 
-fn meet(other: Pair) {
+fn accumulate(other: Pair) {
     let both = mass + other.more.y;
     let exchange_of_pair = min(coefficient, other.more.z) * root * other.volume * other.kernel;
     let parts = (thickness + other.value.w) * max(exchanged, other.more.x) * both;

@@ -184,10 +184,10 @@ fn who_sleeps_sleeps_on() {
     let (name, sets) = KINDS[7];
     let mut simulation = Simulation::new(&support::gpu(), &scene(sets)).unwrap();
     simulation.step(400).unwrap();
-    let asleep = |simulation: &mut Simulation| simulation.report().unwrap().strand_steps.unwrap()["asleep_steps"];
-    let before = asleep(&mut simulation);
+    let sleeping = |simulation: &mut Simulation| simulation.report().unwrap().strand_steps.unwrap()["sleeping_steps"];
+    let before = sleeping(&mut simulation);
     goes_on(&mut simulation, name);
-    let slept = asleep(&mut simulation) - before;
+    let slept = sleeping(&mut simulation) - before;
     assert_eq!(slept, 12 * 2 * 21, "all strands sleep through 21 steps of two substeps");
 }
 

@@ -37,10 +37,10 @@ fn no_content_is_a_panic() {
                     content[start..end].iter_mut().for_each(|byte| *byte = random.random());
                 }
             }
-            let spoilt = with_section(&whole, name, &content);
-            match Checkpoint::from_bytes(&spoilt, "spoilt").and_then(|read| read.start(simulation.gpu())) {
+            let invalid = with_section(&whole, name, &content);
+            match Checkpoint::from_bytes(&invalid, "invalid").and_then(|read| read.start(simulation.gpu())) {
                 Err(error) => {
-                    assert!(error.to_string().starts_with("spoilt: "), "{name}: {error}");
+                    assert!(error.to_string().starts_with("invalid: "), "{name}: {error}");
                     refused += 1;
                 }
                 Ok(mut loaded) => {
@@ -81,9 +81,9 @@ fn what_a_step_does_not_look_at_is_refused() {
     ];
     for (name, at, bytes, words) in cases {
         let content = [&own(name)[..at], &bytes, &own(name)[at + bytes.len()..]].concat();
-        let spoilt = Checkpoint::from_bytes(&with_section(&whole, name, &content), "a/spoilt file").unwrap();
-        let said = spoilt.start(simulation.gpu()).err().map(|error| error.to_string()).unwrap_or_default();
-        assert!(said.starts_with(&format!("a/spoilt file: section {name}: {words}")), "{name}: {said}");
+        let invalid = Checkpoint::from_bytes(&with_section(&whole, name, &content), "a/invalid file").unwrap();
+        let said = invalid.start(simulation.gpu()).err().map(|error| error.to_string()).unwrap_or_default();
+        assert!(said.starts_with(&format!("a/invalid file: section {name}: {words}")), "{name}: {said}");
     }
 }
 

@@ -14,8 +14,8 @@ use windswept_shaders::{
     common::{
         rod::RodSegment,
         status::{
-            ASLEEP_STEP, BY_HOLD, BY_UPDATE, EULER_STEP, NEIGHBOUR_OVERFLOW, NON_FINITE_AIR, STRAND_RESET, TELEPORT,
-            TOO_MANY_BAD_STRANDS, UNMENDED_STRAND, UNSOLVED_STEP,
+            BY_HOLD, BY_UPDATE, EULER_STEP, NEIGHBOUR_OVERFLOW, NON_FINITE_AIR, SLEEPING_STEP, STRAND_RESET, TELEPORT,
+            TOO_MANY_BAD_STRANDS, UNRECOVERED_STRAND, UNSOLVED_STEP,
         },
     },
 };
@@ -34,7 +34,7 @@ impl Walk<'_> {
         let mut passes = fixture.passes(step::commit::record);
         commit::run(s, w, &p).map_err(|frozen| format!("the reference froze: {frozen:?}"))?;
         if passes.through("commit/hold") {
-            let bad = differing(&fixture.found().iter().map(|found| found.bad != 0).collect::<Vec<_>>(), &s.bad);
+            let bad = differing(&fixture.found().iter().map(|found| found.failed != 0).collect::<Vec<_>>(), &s.failed);
             self.same("commit/hold", bad, 0.0)?;
         }
         let before = fixture.engine.slots().unwrap();
@@ -67,12 +67,14 @@ impl Walk<'_> {
         }
         if passes.through("commit/hair") {
             let points = fixture.engine.read(&state.point_history).unwrap();
-            let travel = largest(points.iter().zip(&s.travel).map(|(a, b)| (xyz(&a.travel) - *b).length()));
-            self.same("commit/hair", travel, bounds.length)?;
+            let displacement =
+                largest(points.iter().zip(&s.displacement).map(|(a, b)| (xyz(&a.displacement) - *b).length()));
+            self.same("commit/hair", displacement, bounds.length)?;
             let rest_drift = largest(points.iter().zip(&s.rest_drift).map(|(a, b)| (xyz(&a.rest_drift) - *b).length()));
             self.same("commit/hair", rest_drift, bounds.length)?;
-            let outside = largest(points.iter().zip(&s.outside).map(|(a, b)| (xyz(&a.outside) - *b).length()));
-            self.same("commit/hair", outside, bounds.speed)?;
+            let external_dv =
+                largest(points.iter().zip(&s.external_dv).map(|(a, b)| (xyz(&a.external_dv) - *b).length()));
+            self.same("commit/hair", external_dv, bounds.speed)?;
             let before = largest(points.iter().zip(&s.velocity_before).map(|(a, b)| (xyz(&a.velocity) - *b).length()));
             self.same("commit/hair", before, bounds.speed)?;
             let own = largest(points.iter().zip(&s.own).map(|(a, b)| (xyz(&a.own) - *b).length()));
@@ -126,9 +128,9 @@ impl Walk<'_> {
         }
         let status = fixture.engine.status().unwrap();
         self.same("commit/state", (f64::from(status.step) - s.steps as f64).abs(), 0.0)?;
-        let counters = [STRAND_RESET, EULER_STEP, ASLEEP_STEP, TELEPORT, UNSOLVED_STEP];
+        let counters = [STRAND_RESET, EULER_STEP, SLEEPING_STEP, TELEPORT, UNSOLVED_STEP];
         let got = counters.map(|counter| status.counted[counter as usize] as usize);
-        let wanted = [s.resets, s.euler_steps, s.asleep_steps, s.teleports, s.unsolved_steps];
+        let wanted = [s.resets, s.euler_steps, s.sleeping_steps, s.teleports, s.unsolved_steps];
         self.same("commit/state", differing(&got, &wanted), 0.0)
     }
 }
@@ -140,7 +142,12 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::commit::FRAMES, "turn, spin,", "turn, 0.9 * spin,", PARTICLES),
     (&shaders::commit::FRAMES, "select(before.angular", "select(0.9 * before.angular", PARTICLES),
     (&shaders::commit::FRAMES, "rest_drift + rotation_vector", "rest_drift + 0.9 * rotation_vector", PARTICLES),
-    (&shaders::commit::FRAMES, "+ rod_strands[k].root_travel", "+ 0.9 * rod_strands[k].root_travel", PARTICLES),
+    (
+        &shaders::commit::FRAMES,
+        "+ rod_strands[k].root_displacement",
+        "+ 0.9 * rod_strands[k].root_displacement",
+        PARTICLES,
+    ),
     (&shaders::commit::FRAMES, "force, rod_strands[k].condition", "force, strand_history[k].condition", PARTICLES),
     (&shaders::commit::HAIR, "point.before + last - new_velocity[p].xyz", "point.before + last", PARTICLES),
     (&shaders::commit::CONTACTS, "max(contacts", "0.9 * max(contacts", BODIES),
@@ -199,7 +206,7 @@ fn hold_keeps_strands_that_are_lost() {
             let what = format!("{n} particles, x = {place}, v = {speed}");
             fixture.replay_only(&["commit/check", "commit/state"], step::commit::record);
             let status = fixture.engine.status().unwrap();
-            assert_eq!((status.causes, status.step), (UNMENDED_STRAND, 0), "{what}: committed as it was");
+            assert_eq!((status.causes, status.step), (UNRECOVERED_STRAND, 0), "{what}: committed as it was");
             fixture.engine.set_status(&status::thawed(&status)).unwrap();
 
             let before = fixture.vectors(&s.position);
@@ -216,7 +223,7 @@ fn hold_keeps_strands_that_are_lost() {
                 assert_eq!(segment.frame == segment.start, held, "{what}: segment {k}");
             }
             for (strand, found) in fixture.found().iter().enumerate() {
-                assert_eq!(found.bad, u32::from(strand == victim), "{what}: strand {strand}");
+                assert_eq!(found.failed, u32::from(strand == victim), "{what}: strand {strand}");
             }
             fixture.run_only(&["commit/check", "commit/state"], step::commit::record);
             let status = fixture.engine.status().unwrap();
@@ -233,7 +240,7 @@ fn check_is_that_of_the_reference() {
     for n in support::SIZES {
         let initial = support::particles(n, n / 3, support::Layout::Random, 10);
         let (strands, air) = (initial.hair.len(), initial.air.positions.len());
-        let limit = commit::bad_strand_limit(strands);
+        let limit = commit::failed_strand_limit(strands);
         // Particle of air whose position is lost; one with a velocity that no particle can have, or that it just can have; number of
         // strands that are lost; whether the list is too short.
         let cases = [
@@ -264,20 +271,21 @@ fn check_is_that_of_the_reference() {
             let mut rods = fixture.rod_strands();
             for strand in strands - bad..strands {
                 if strand % 2 == 0 {
-                    (reference.bad[strand], rods[strand].condition.bad) = (true, 1);
+                    (reference.failed[strand], rods[strand].condition.failed) = (true, 1);
                 } else {
                     v[reference.hair.points(strand).start].x = f64::NAN;
                 }
             }
-            let by_rods = reference.bad.iter().filter(|bad| **bad).count() as u32;
+            let by_rods = reference.failed.iter().filter(|bad| **bad).count() as u32;
             let named = |strand: usize, pass: u32| 4 * reference.hair.points(strand).start as u32 + pass;
-            let first = reference.bad.iter().position(|bad| *bad).map_or(u32::MAX, |strand| named(strand, BY_UPDATE));
+            let first =
+                reference.failed.iter().position(|bad| *bad).map_or(u32::MAX, |strand| named(strand, BY_UPDATE));
             let first_of_all = match strands - bad {
                 strand if bad == 0 || strand >= strands => u32::MAX,
                 strand => named(strand, if strand % 2 == 0 { BY_UPDATE } else { BY_HOLD }),
             };
             let mut status = fixture.engine.status().unwrap();
-            (status.bad_strands, status.first_bad) = (by_rods, first);
+            (status.failed_strands, status.first_bad) = (by_rods, first);
             status.causes = if short { NEIGHBOUR_OVERFLOW } else { 0 };
             fixture.engine.set_status(&status).unwrap();
             fixture.engine.write(&s.rod_strands, &rods).unwrap();
@@ -286,13 +294,14 @@ fn check_is_that_of_the_reference() {
             let before = fixture.vectors(&s.position);
             fixture.replay(step::commit::record);
 
-            let outside = x[..p.hair_points].iter().filter(|x| x.cmplt(DVec3::ZERO).any() || x.cmpge(p.box_size).any());
-            let outside = outside.count() as u32;
+            let external_dv =
+                x[..p.hair_points].iter().filter(|x| x.cmplt(DVec3::ZERO).any() || x.cmpge(p.box_size).any());
+            let external_dv = external_dv.count() as u32;
             let scratch = Scratch { predicted: x, new_velocity: v, ..Scratch::default() };
             let frozen = commit::run(&mut reference, scratch, p).err();
             let status = fixture.engine.status().unwrap();
             let what = format!("{n} particles, air {place:?} {speed:?}, {bad} of {strands} strands: {frozen:?}");
-            println!("{what}, {} outside", status.hair_outside);
+            println!("{what}, {} external_dv", status.hair_outside);
             if short {
                 // The scratch arrays mean nothing.
                 assert_eq!(status.causes, NEIGHBOUR_OVERFLOW, "{what}");
@@ -304,14 +313,14 @@ fn check_is_that_of_the_reference() {
                 assert_eq!(status.causes, air | hair, "{what}");
                 // The reference names one cause, the hair's if both hold.
                 let expected = match (bad > limit, lost) {
-                    (true, _) => Some(Frozen::BadStrands(status.bad_strands as usize)),
+                    (true, _) => Some(Frozen::FailedStrands(status.failed_strands as usize)),
                     (_, lost) => lost.map(|_| Frozen::NonFiniteAir(status.first_bad_air as usize)),
                 };
                 assert_eq!(frozen, expected, "{what}");
                 assert!(lost.is_none_or(|lost| lost == status.first_bad_air as usize), "{what}: {status:?}");
                 if status.causes != 0 {
                     assert_eq!(status.first_bad, first_of_all, "{what}");
-                    assert_eq!(status.hair_outside, outside, "{what}");
+                    assert_eq!(status.hair_outside, external_dv, "{what}");
                 }
             }
             let committed = fixture.vectors(&s.position) != before;

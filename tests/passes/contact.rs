@@ -13,7 +13,7 @@ use windswept_shaders::{
     common::{
         by_body::CHUNKS,
         contact::{Contact, ContactHistory, LIVE, PLANE, SLIDES},
-        rod::{BAD, SLEEPS},
+        rod::{FAILED, SLEEPS},
         status::UNSOLVED_STEP,
     },
 };
@@ -255,8 +255,8 @@ fn begin_is_that_of_the_reference() {
         let mut health = fixture.health();
         for (strand, condition) in health.iter_mut().enumerate() {
             match strand % 5 {
-                1 => (s.asleep[strand], condition.still) = (true, SLEEPS),
-                3 if strand % 10 == 3 => (s.bad[strand], condition.bad) = (true, BAD),
+                1 => (s.sleeping[strand], condition.resting) = (true, SLEEPS),
+                3 if strand % 10 == 3 => (s.failed[strand], condition.failed) = (true, FAILED),
                 _ => {}
             }
         }
@@ -265,7 +265,7 @@ fn begin_is_that_of_the_reference() {
         set_roots(&fixture, &mut s, |strand, x, q| (x + if strand % 10 == 7 { DVec3::X } else { DVec3::ZERO }, q));
         fixture.run_only(&["forcing/bodies", "forcing/reset", "forcing/roots"], step::forcing::record);
         fixture.run_only(&["rods/begin", "rods/contacts"], step::rods::record);
-        forcing::mend(&mut s);
+        forcing::recover(&mut s);
         let mut w = forcing::run(&s, p);
         w.correction = vec![DVec3::ZERO; p.hair_points];
         rods::begin(&s, &mut w, p);
@@ -393,7 +393,8 @@ fn strands_apart(fixture: &Fixture, s: &Reference, w: &Scratch) -> Vec<[f64; 4]>
     let (got, wanted, gives, bodies) = (read(fixture), all(w), gives(fixture), fixture.parameters.bodies.len());
     let hair = fixture.parameters.hair_points;
     let of_strand = |strand: usize| {
-        let moves = s.hair.points(strand).map(|i| (xyz(&points[i].travel) - w.moving.points[i].travel).length());
+        let moves =
+            s.hair.points(strand).map(|i| (xyz(&points[i].displacement) - w.moving.points[i].displacement).length());
         let pairs = || s.hair.segments(strand).map(|k| (&segments[k], &w.moving.segments[k]));
         let places = s.hair.points(strand).chain(s.hair.segments(strand).map(|k| hair + k));
         let contacts = places.flat_map(|i| i * bodies..(i + 1) * bodies);

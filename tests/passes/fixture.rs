@@ -50,7 +50,7 @@ impl Fixture {
         let capacity = (initial.hair.positions.len() + initial.air.positions.len()).max(64) as u32 * 300;
         engine.grow_neighbours(1, capacity).unwrap();
         let mut plan = Plan::new(&setup);
-        plan.mend_strands();
+        plan.recover_strands();
         let parameters = Parameters::new(scene, initial);
         let mut reference = Reference::new(initial, parameters.step);
         for x in reference.position.iter_mut().chain(&mut reference.tip_targets) {
@@ -162,9 +162,9 @@ impl Fixture {
         for i in 0..hair {
             let held_tip = s.inverse_mass[i] == 0.0 && s.hair.points(self.parameters.strand_of[i]).start < i;
             s.position[i] = position[i] + if held_tip { DVec3::ZERO } else { xyz(&points[i].remainder) };
-            (s.travel[i], s.velocity_before[i]) = (xyz(&points[i].travel), xyz(&points[i].velocity));
+            (s.displacement[i], s.velocity_before[i]) = (xyz(&points[i].displacement), xyz(&points[i].velocity));
             (s.own[i], s.grip[i]) = (xyz(&points[i].own), xyz(&points[i].grip));
-            (s.rest_drift[i], s.outside[i]) = (xyz(&points[i].rest_drift), xyz(&points[i].outside));
+            (s.rest_drift[i], s.external_dv[i]) = (xyz(&points[i].rest_drift), xyz(&points[i].external_dv));
         }
         let memory = |kept: &ContactHistory| Memory { friction: xyz(&kept.friction), force: kept.force.into() };
         s.contacts = self.engine.read(&state.contact_history).unwrap().iter().map(memory).collect();
@@ -204,7 +204,7 @@ impl Fixture {
     }
 
     /// Lists neighbours, on the engine with positions where a step's predicted ones stand; returns the reference's.
-    pub fn meet(&self) -> Neighbours {
+    pub fn list_neighbours(&self) -> Neighbours {
         self.engine.copy_state_to_scratch().unwrap();
         self.run(windswept::internals::step::neighbours::record);
         neighbours::list(&self.parameters, &self.reference.position)
@@ -248,10 +248,10 @@ impl Passes<'_> {
 /// Condition of a strand of the reference, in the engine's words.
 pub fn condition(s: &Reference, strand: usize) -> Condition {
     Condition {
-        bad: s.bad[strand].into(),
+        failed: s.failed[strand].into(),
         strained: s.strained_steps[strand].min(windswept_reference::rods::STRAINED_STEPS + 1),
         bdf2_ready: s.bdf2_ready[strand].into(),
-        still: if s.asleep[strand] { SLEEPS } else { s.still[strand] },
+        resting: if s.sleeping[strand] { SLEEPS } else { s.resting[strand] },
     }
 }
 

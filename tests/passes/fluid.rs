@@ -44,7 +44,7 @@ impl Walk<'_> {
             let (shift, felt) = (correct(&lambda), correct(&felt));
             // In parts of the largest, or of 10 µm: a density error of 1 % asks for about as much.
             let most = largest(shift.iter().map(|shift| shift.length())).max(1e-5);
-            for (array, wanted) in [(&state.shift, &shift), (&state.felt_shift, &felt)] {
+            for (array, wanted) in [(&state.shift, &shift), (&state.velocity_shift, &felt)] {
                 let gap = apart(&fixture.vectors(array)[..count], wanted) / most;
                 self.same("fluid/correct", gap, bounds.multiplier)?;
             }
@@ -80,31 +80,31 @@ impl Walk<'_> {
     /// Friction of hair on hair, if it runs.
     fn friction(&mut self, s: &Reference, w: &mut Scratch, multiplier: &[f64], passes: &mut Passes<'_>) -> Same {
         let (fixture, bounds, p) = (self.fixture, self.bounds, self.p());
-        let (state, points) = (fixture.engine.state(), p.hair_points);
+        let (state, hair) = (fixture.engine.state(), p.hair_points);
         w.grip.clone_from(&s.grip);
         if !passes.through("fluid/slip") {
             return Ok(());
         }
-        let rubs: Vec<_> = (0..points).map(|i| fluid::slip(p, s, i, w.correction[i], multiplier[i])).collect();
-        let squeezed = fluid::squeeze(p, &w.predicted, &s.inverse_mass, &s.volume, &rubs, &w.near);
+        let points: Vec<_> = (0..hair).map(|i| fluid::slip(p, s, i, w.correction[i], multiplier[i])).collect();
+        let normal_impulses = fluid::normal_impulse(p, &w.predicted, &s.inverse_mass, &s.volume, &points, &w.near);
         let (change, grip) =
-            fluid::friction(p, &w.predicted, &s.grip, &s.inverse_mass, &s.volume, &rubs, &squeezed, &w.near);
-        let got = fixture.engine.read(&state.rubbing).unwrap();
-        let pairs = || got.iter().zip(&rubs);
+            fluid::friction(p, &w.predicted, &s.grip, &s.inverse_mass, &s.volume, &points, &normal_impulses, &w.near);
+        let got = fixture.engine.read(&state.friction_points).unwrap();
+        let pairs = || got.iter().zip(&points);
         let speed = |a: &[f32], b: DVec3| (xyz(a) - b).length();
         let slips = pairs().map(|(a, b)| speed(&a.pull, b.pull).max(speed(&a.moved, b.moved)));
         // What the constraint moved a point by is an impulse; positions are compared where they move.
         self.same("fluid/slip", largest(slips), bounds.length / self.p().step)?;
-        let most = largest(rubs.iter().map(|rub| rub.multiplier.abs())).max(self.of_one_percent());
+        let most = largest(points.iter().map(|point| point.multiplier.abs())).max(self.of_one_percent());
         let multipliers = pairs().map(|(a, b)| (f64::from(a.multiplier) - b.multiplier).abs() / most);
         self.same("fluid/slip", largest(multipliers), bounds.multiplier)?;
-        passes.through("fluid/squeeze");
-        let most = largest(squeezed.iter().copied()).max(bounds.length / self.p().step);
-        let gap = numbers_apart(&fixture.numbers(&state.squeezed), &squeezed) / most;
-        self.same("fluid/squeeze", gap, bounds.multiplier)?;
+        passes.through("fluid/normal_impulse");
+        let most = largest(normal_impulses.iter().copied()).max(bounds.length / self.p().step);
+        let gap = numbers_apart(&fixture.numbers(&state.normal_impulses), &normal_impulses) / most;
+        self.same("fluid/normal_impulse", gap, bounds.multiplier)?;
         passes.through("fluid/friction");
         let moves: Vec<DVec3> = change.iter().map(|change| self.p().step * *change).collect();
-        self.same("fluid/friction", apart(&fixture.vectors(&state.shift)[..points], &moves), bounds.length)?;
+        self.same("fluid/friction", apart(&fixture.vectors(&state.shift)[..hair], &moves), bounds.length)?;
         self.same("fluid/friction", apart(&fixture.vectors(&state.grip), &grip), bounds.speed)?;
         passes.through("fluid/move");
         for (i, shift) in moves.into_iter().enumerate() {
@@ -248,16 +248,16 @@ impl Walk<'_> {
         self.diverging(&rate, w)?;
         assert!(passes.through("fluid/coarse_source"));
         let sorted = fixture.engine.read(&state.sorted).unwrap();
-        let got = fixture.engine.read(&state.brought).unwrap();
+        let got = fixture.engine.read(&state.deposit_source).unwrap();
         // Air stands first.
-        let brought = || sorted.iter().map(|i| *i as usize).zip(&got).take(before.len() - hair);
+        let deposit_source = || sorted.iter().map(|i| *i as usize).zip(&got).take(before.len() - hair);
         let source = |i: usize| fluid::source(rate[i], &w.moments[i], w.new_velocity[i]);
-        let gaps = brought().map(|(i, got)| (f64::from(got[3]) - source(i)).abs());
+        let gaps = deposit_source().map(|(i, got)| (f64::from(got[3]) - source(i)).abs());
         let most = largest(rate.iter().map(|rate| rate.abs())).max(8.0);
         self.same("fluid/coarse_source", largest(gaps) / most, bounds.multiplier)?;
         let spacing = p.box_size / DVec3::from_array(p.coarse_nodes.map(|n| n as f64));
         let wrapped = |x: DVec3| (x - p.box_size * (x / p.box_size).floor()) / spacing;
-        let gaps = brought().map(|(i, got)| (xyz(&got[..3]) - wrapped(before[i])).length());
+        let gaps = deposit_source().map(|(i, got)| (xyz(&got[..3]) - wrapped(before[i])).length());
         self.same("fluid/coarse_source", largest(gaps), bounds.nodes)?;
 
         let nodes = |array| -> Vec<f64> { fixture.engine.read(array).unwrap().into_iter().map(f64::from).collect() };
@@ -343,7 +343,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::fluid::DENSITY, "ABRUPT: f32 = 0.2", "ABRUPT: f32 = 0.01", PARTICLES),
     (&shaders::fluid::CORRECT, "params.relaxation * inverse_mass_of(i)", "0.49 * inverse_mass_of(i)", PARTICLES),
     (&shaders::fluid::CORRECT, "felt += pair.y", "felt += 0.9 * pair.y", PARTICLES),
-    (&shaders::fluid::MOVE, "correction[i] += felt_shift[i]", "correction[i] = felt_shift[i]", PARTICLES),
+    (&shaders::fluid::MOVE, "correction[i] += velocity_shift[i]", "correction[i] = velocity_shift[i]", PARTICLES),
     (&shaders::fluid::DEFORM, "gradient.z * faster", "0.9 * gradient.z * faster", DIVERGENCE),
     (&shaders::fluid::SPREAD, "CARRIED: f32 = 0.065", "CARRIED: f32 = 0.06", DIVERGENCE),
     (&shaders::fluid::PLACE, "+ shift[i].xyz", "+ 0.5 * shift[i].xyz", DIVERGENCE),
@@ -380,7 +380,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::fluid::COARSE_PUSH, "(coarse_change[i].xyz - mean)", "5.0 * coarse_change[i].xyz", DIVERGENCE),
     (&shaders::fluid::VELOCITY, "correction[i].xyz / params.step", "0.99 * correction[i].xyz / params.step", PARTICLES),
     (&shaders::fluid::SLIP, "velocity[p].xyz + history.own", "velocity[p].xyz", CROWDED),
-    (&shaders::fluid::SQUEEZE, "own.inverse_mass * sum", "0.9 * own.inverse_mass * sum", CROWDED),
+    (&shaders::fluid::NORMAL_IMPULSE, "own.inverse_mass * sum", "0.9 * own.inverse_mass * sum", CROWDED),
     (&shaders::fluid::FRICTION, "min(own.friction, other.more.y)", "0.9 * own.friction", CROWDED),
 ];
 
@@ -390,7 +390,7 @@ fn the_density_constraint_is_that_of_the_reference() {
     let mut scene = support::scene();
     scene.fluid.iterations = 1;
     each(&scene, |what, fixture| {
-        let (near, s) = (fixture.meet(), &fixture.reference);
+        let (near, s) = (fixture.list_neighbours(), &fixture.reference);
         let (predicted, new_velocity) = (s.position.clone(), s.velocity.clone());
         let mut w = Scratch { predicted, new_velocity, near, ..Scratch::default() };
         // Measured 6e-8 m, 8.4e-7 and 1.3e-5; margin 4.
@@ -408,7 +408,7 @@ fn pressure_is_that_of_the_reference() {
         (scene.fluid.iterations, scene.interaction.model) = (0, model);
         scene.fluid.pressure_iterations = Some(2);
         each(&scene, |what, fixture| {
-            let (near, s) = (fixture.meet(), &fixture.reference);
+            let (near, s) = (fixture.list_neighbours(), &fixture.reference);
             let velocities = stirred(s.position.len());
             fixture.write_vectors(&fixture.engine.state().new_velocity, &velocities);
             let pressed = vec![Default::default(); s.position.len()];
@@ -434,7 +434,7 @@ fn coincident_particles_separate() {
     let mut initial = support::particles(400, 0, support::Layout::Lattice, 2);
     initial.air.positions[101] = initial.air.positions[100];
     let fixture = Fixture::new(&support::scene(), &initial);
-    let near = fixture.meet();
+    let near = fixture.list_neighbours();
     fixture.run(step::fluid::record);
     let after = fixture.vectors(&fixture.engine.state().predicted);
     let gap = (after[101] - after[100]).length();

@@ -9,7 +9,7 @@ use windswept_scene::{Force, ForceField, Gust, Inflow, InitialState, Keyframe, M
 use windswept_shaders::{
     self as shaders,
     common::{
-        rod::{BAD, SPOILT},
+        rod::{FAILED, SPOILT},
         status::STRAND_RESET,
     },
 };
@@ -26,10 +26,10 @@ impl Walk<'_> {
     pub fn forcing(&mut self, s: &mut Reference) -> Result<Scratch, String> {
         let (fixture, bounds, hair) = (self.fixture, self.bounds, self.p().hair_points);
         let state = fixture.engine.state();
-        let spoilt = forcing::mend(s);
-        let w = Scratch { spoilt, ..forcing::run(s, self.p()) };
+        let invalid = forcing::recover(s);
+        let w = Scratch { invalid, ..forcing::run(s, self.p()) };
         let (p, air) = (self.p(), hair..s.position.len());
-        let fringe = |i: usize| forcing::fringe(p, s.steps, w.lack, s.position[i], s.velocity[i]);
+        let fringe = |i: usize| forcing::fringe(p, s.steps, w.wind_deficit, s.position[i], s.velocity[i]);
         let by_wind: Vec<_> = air.clone().map(fringe).collect();
         let drawn =
             |(i, wind): (usize, &DVec3)| *wind + forcing::drive_air(p, s.steps, s.position[i], s.velocity[i] + *wind);
@@ -55,10 +55,10 @@ impl Walk<'_> {
             self.bodies(&w)?;
         }
         if passes.through("forcing/reset") {
-            let bad: Vec<_> = fixture.health().iter().map(|health| health.bad != 0).collect();
-            self.same("forcing/reset", differing(&bad, &s.bad), 0.0)?;
-            let count = fixture.engine.status().unwrap().bad_strands as usize;
-            self.same("forcing/reset", count.abs_diff(spoilt) as f64, 0.0)?;
+            let bad: Vec<_> = fixture.health().iter().map(|health| health.failed != 0).collect();
+            self.same("forcing/reset", differing(&bad, &s.failed), 0.0)?;
+            let count = fixture.engine.status().unwrap().failed_strands as usize;
+            self.same("forcing/reset", count.abs_diff(invalid) as f64, 0.0)?;
             let all = |array| fixture.vectors(array)[..hair].to_vec();
             self.same("forcing/reset", apart(&all(&state.position), &s.position[..hair]), bounds.length)?;
             self.same("forcing/reset", apart(&all(&state.velocity), &s.velocity[..hair]), bounds.speed)?;
@@ -66,10 +66,10 @@ impl Walk<'_> {
         if passes.through("forcing/roots") {
             let got = fixture.rod_strands();
             let gap = |f: &dyn Fn(usize) -> f64| largest((0..got.len()).map(f));
-            let travel = gap(&|k| (xyz(&got[k].root_travel) - w.drives[k].root_travel).length());
+            let displacement = gap(&|k| (xyz(&got[k].root_displacement) - w.drives[k].root_displacement).length());
             let frame = gap(&|k| (quaternion(got[k].root_frame) - w.drives[k].root_frame).length());
             let turn = gap(&|k| (quaternion(got[k].root_turn) - w.drives[k].root_turn).length());
-            self.same("forcing/roots", travel, bounds.length)?;
+            self.same("forcing/roots", displacement, bounds.length)?;
             self.same("forcing/roots", frame.max(turn), bounds.frame)?;
             self.states("forcing/roots", &w)?;
         }
@@ -84,13 +84,13 @@ impl Walk<'_> {
         if passes.through("forcing/fringe_deficit") {
             let all = fixture.engine.read(&state.partial_sum).unwrap();
             let sum = |axis: usize| all.iter().map(|part| f64::from(part[axis])).sum::<f64>();
-            let missed = DVec3::from_array([0, 1, 2].map(sum)) / sum(3).max(f64::MIN_POSITIVE);
-            self.same("forcing/fringe_deficit", (missed - w.missed).length(), bounds.wind)?;
+            let fringe_deficit = DVec3::from_array([0, 1, 2].map(sum)) / sum(3).max(f64::MIN_POSITIVE);
+            self.same("forcing/fringe_deficit", (fringe_deficit - w.fringe_deficit).length(), bounds.wind)?;
         }
         if passes.through("reduce/total") {
-            let total = fixture.engine.read(&state.missed).unwrap()[0];
-            let missed = xyz(&total[..3]) / f64::from(total[3]).max(f64::MIN_POSITIVE);
-            self.same("reduce/total", (missed - w.missed).length(), bounds.wind)?;
+            let total = fixture.engine.read(&state.fringe_deficit).unwrap()[0];
+            let fringe_deficit = xyz(&total[..3]) / f64::from(total[3]).max(f64::MIN_POSITIVE);
+            self.same("reduce/total", (fringe_deficit - w.fringe_deficit).length(), bounds.wind)?;
         }
         if passes.through("forcing/fringe") {
             self.same("forcing/fringe", apart(&self.vectors(&state.wind_change, hair), &by_wind), bounds.wind)?;
@@ -132,7 +132,7 @@ impl Walk<'_> {
 /// Planted faults of the passes of this stage.
 pub const FAULTS: &[Fault] = &[
     (&shaders::forcing::MEAN_WIND, "status.wind[axis] = now", "status.wind[axis] = before", PARTICLES),
-    (&shaders::forcing::RESET, "condition.bad != BAD", "condition.bad == BAD", PARTICLES),
+    (&shaders::forcing::RESET, "condition.failed != FAILED", "condition.failed == FAILED", PARTICLES),
     (&shaders::forcing::RESET, "!(in_reach(", "(in_reach(", PARTICLES),
     (&shaders::forcing::ROOTS, "left = 1u", "left = 2u", PARTICLES),
     (&shaders::forcing::HAIR_DRIFT, "points[p].weight * params.gravity", "params.gravity", LIGHT_HAIR),
@@ -153,7 +153,7 @@ pub fn drives_apart(fixture: &Fixture, w: &Scratch) -> (f64, f64, usize) {
     let got = fixture.rod_strands();
     assert_eq!(got.len(), w.drives.len());
     let most = |gap: &dyn Fn(usize) -> f64| (0..got.len()).map(gap).fold(0.0, f64::max);
-    let moves = most(&|k| (xyz(&got[k].root_travel) - w.drives[k].root_travel).length());
+    let moves = most(&|k| (xyz(&got[k].root_displacement) - w.drives[k].root_displacement).length());
     let frames = most(&|k| (quaternion(got[k].root_frame) - w.drives[k].root_frame).length());
     let turns = most(&|k| (quaternion(got[k].root_turn) - w.drives[k].root_turn).length());
     let states = got.iter().zip(&w.drives).filter(|(a, b)| a.state != b.state as u32).count();
@@ -189,7 +189,7 @@ fn roots_are_those_of_the_reference() {
             let w = forcing::run(&s, p);
             let (moves, frames, states) = drives_apart(&fixture, &w);
             let count = |state| w.drives.iter().filter(|drive| drive.state == state).count();
-            let counts = [rods::State::Free, rods::State::Asleep, rods::State::Teleported].map(count);
+            let counts = [rods::State::Free, rods::State::Sleeping, rods::State::Teleported].map(count);
             println!("{n} strands, {keys:?}, substep {steps} of {substeps}: {moves:.1e} m, {frames:.1e}, {counts:?}");
             assert_eq!(states, 0, "{n}, {keys}: strands go another way");
             // Measured 3.6e-8 m and 4.7e-7; margin 4.
@@ -199,7 +199,7 @@ fn roots_are_those_of_the_reference() {
     }
 }
 
-/// Strands that their step left bad, or that are spoilt when it begins, start it from their rest shape, at rest and with no memory; a
+/// Strands that their step left bad, or that are invalid when it begins, start it from their rest shape, at rest and with no memory; a
 /// tip that is held stays, a root that nothing holds stays where it drifted to. The others keep their bits. What was bad before is
 /// counted already. A step that froze does the same again.
 #[test]
@@ -228,13 +228,13 @@ fn reset_is_that_of_the_reference() {
                 3 => velocity[middle][1] = value,
                 4 => history[middle].own[2] = f32::NAN,
                 5 => history[tip].velocity[0] = value,
-                6 => history[middle].travel[1] = f32::NAN,
-                7 => health[strand].bad = BAD,
+                6 => history[middle].displacement[1] = f32::NAN,
+                7 => health[strand].failed = FAILED,
                 8 => orientation[s.hair.segments(strand).start][1] = value,
                 _ => {}
             }
-            wanted.push([SPOILT, SPOILT, SPOILT, SPOILT, SPOILT, SPOILT, SPOILT, BAD, SPOILT, 0][strand / 3 % 10]);
-            s.bad[strand] = wanted[strand] == BAD;
+            wanted.push([SPOILT, SPOILT, SPOILT, SPOILT, SPOILT, SPOILT, SPOILT, FAILED, SPOILT, 0][strand / 3 % 10]);
+            s.failed[strand] = wanted[strand] == FAILED;
         }
         fixture.engine.write(&state.position, &position).unwrap();
         fixture.engine.write(&state.velocity, &velocity).unwrap();
@@ -242,17 +242,17 @@ fn reset_is_that_of_the_reference() {
         fixture.engine.write(&state.point_history, &history).unwrap();
         fixture.set_health(&health);
         fixture.adopt(&mut s);
-        let spoilt = forcing::mend(&mut s);
+        let invalid = forcing::recover(&mut s);
         let mut first = None;
         for _ in 0..2 {
             fixture.run_only(&["forcing/reset"], step::forcing::record);
-            let bad: Vec<_> = fixture.health().iter().map(|health| health.bad).collect();
+            let bad: Vec<_> = fixture.health().iter().map(|health| health.failed).collect();
             assert_eq!(bad, wanted, "{n}");
             let mut status = fixture.engine.status().unwrap();
-            assert_eq!((status.bad_strands as usize, s.resets), (spoilt, spoilt), "{n}");
-            assert_eq!(status.counting[STRAND_RESET as usize] as usize, spoilt, "{n}");
+            assert_eq!((status.failed_strands as usize, s.resets), (invalid, invalid), "{n}");
+            assert_eq!(status.counting[STRAND_RESET as usize] as usize, invalid, "{n}");
             // As the host does before it replays a step.
-            (status.bad_strands, status.counting) = (0, Default::default());
+            (status.failed_strands, status.counting) = (0, Default::default());
             fixture.engine.set_status(&status).unwrap();
             let now = fixture.engine.read(&state.position).unwrap();
             assert!(first.get_or_insert_with(|| now.clone()) == &now, "{n}: other bits in the replay");
@@ -263,11 +263,11 @@ fn reset_is_that_of_the_reference() {
         let mut got = s.clone();
         fixture.adopt(&mut got);
         let gap = apart(&got.position, &s.position);
-        println!("{n} strands, {spoilt} spoilt: {gap:.1e} m");
+        println!("{n} strands, {invalid} invalid: {gap:.1e} m");
         // Measured 9.2e-8 m; margin 4.
         assert!(gap < 3.7e-7, "{n}: {gap} m");
         let memories = |s: &Reference| {
-            [s.velocity.clone(), s.travel.clone(), s.velocity_before.clone(), s.own.clone(), s.rest_drift.clone()]
+            [s.velocity.clone(), s.displacement.clone(), s.velocity_before.clone(), s.own.clone(), s.rest_drift.clone()]
         };
         assert_eq!(memories(&got), memories(&s), "{n}");
     }
@@ -305,7 +305,7 @@ fn roots_by_keyframes_are_those_of_the_reference() {
             // Measured 1.2e-7 m and 1.9e-7; margin 4.
             assert!(moves < 5e-7 && frames < 8e-7, "{n}, step {steps}: {moves} m, {frames}");
             // Where the motion has come to rest rounding says whether the clamp still moves.
-            let rests = |drive: &rods::Drive| drive.root_travel.length() < 1e-6;
+            let rests = |drive: &rods::Drive| drive.root_displacement.length() < 1e-6;
             let w = forcing::run(&s, &fixture.parameters);
             let got = fixture.rod_strands();
             let strict = got.iter().zip(&w.drives).filter(|(_, drive)| !rests(drive));
@@ -371,7 +371,7 @@ fn fringe_is_that_of_the_reference() {
             // Committed steps leave the way of the wind.
             let ways =
                 (0..steps.into()).map(|k| 0.5 * p.step * (forcing::mean_wind(p, k) + forcing::mean_wind(p, k + 1)));
-            status.way = ways.sum::<DVec3>().rem_euclid(p.box_size).as_vec3().to_array();
+            status.wind_path = ways.sum::<DVec3>().rem_euclid(p.box_size).as_vec3().to_array();
             fixture.engine.set_status(&status).unwrap();
             let v: Vec<DVec3> = fixture.reference.position.iter().map(|x| (*x * 20.0).as_vec3().as_dvec3()).collect();
             fixture.write_vectors(&s.velocity, &v);
@@ -379,13 +379,15 @@ fn fringe_is_that_of_the_reference() {
             let blown = DVec3::from_array(fixture.engine.status().unwrap().wind.map(f64::from));
             let air = p.hair_points..fixture.reference.position.len();
             let steps = u64::from(steps);
-            let lack = forcing::hold(
+            let wind_deficit = forcing::hold(
                 p,
                 steps,
                 forcing::fringe_deficit(p, steps, &fixture.reference.position[air.clone()], &v[air.clone()]),
             );
-            let wanted: Vec<DVec3> =
-                air.clone().map(|i| forcing::fringe(p, steps, lack, fixture.reference.position[i], v[i])).collect();
+            let wanted: Vec<DVec3> = air
+                .clone()
+                .map(|i| forcing::fringe(p, steps, wind_deficit, fixture.reference.position[i], v[i]))
+                .collect();
             let error = relative(&fixture.vectors(&s.wind_change)[air], &wanted, 1e-3);
             let off = (blown - forcing::mean_wind(p, steps + 1)).length();
             println!("wind {wind_speed:?}, step {steps}, {n} particles: {error:.1e}, mean wind {off:.1e} m/s off");
@@ -407,13 +409,13 @@ pub fn fields() -> Vec<Force> {
         radius: 0.4 * reach,
         uptake: 0.01,
         strength,
-        course: Vec::new(),
+        keyframes: Vec::new(),
     };
     let tilted = Some(DVec3::new(2.0, 1.0, -2.0).normalize().to_array());
     let key = |time, strength| Strength { time, strength };
     vec![
         Force {
-            course: vec![key(0.001, 1.0), key(0.012, -4.0), key(0.1, 2.0)],
+            keyframes: vec![key(0.001, 1.0), key(0.012, -4.0), key(0.1, 2.0)],
             ..force(ForceField::Jet, tilted, [0.005, 0.01, 0.03], 0.04, None)
         },
         force(ForceField::Vortex, tilted, [0.02; 3], 0.05, Some(-3.0)),
@@ -465,7 +467,7 @@ fn predict_moves_air_through_the_faces() {
             let gap = gap - size * (gap / size).round();
             // Measured 4e-8 m, the f32 spacing of positions; margin 2.5.
             assert!(gap.length() < 1e-7, "{what}: {i} at {got}, expected {wanted}");
-            assert!(got.cmpge(DVec3::ZERO).all() && got.cmple(size).all(), "{what}: {got} is outside");
+            assert!(got.cmpge(DVec3::ZERO).all() && got.cmple(size).all(), "{what}: {got} is external_dv");
         }
     });
 }

@@ -3,11 +3,11 @@
 
 use glam::{DVec3, IVec3, Vec3};
 use windswept::{
-    Gpu, PassTexts, RunError,
+    Gpu, RunError, ShaderVariant,
     internals::{
         Engine, Plan, Setup,
         clusters::{self, Cluster, Seen},
-        step, with_sources, with_texts,
+        step, with_sources, with_variant,
     },
 };
 use windswept_reference::{Parameters, neighbours, step::Scratch};
@@ -294,10 +294,10 @@ fn neighbours_are_those_of_the_pair_test() {
     pairs_on(&support::gpu(), &SIZES);
 }
 
-/// A device without subgroup operations has other texts of the passes.
+/// A device without subgroup operations has another variant of the passes.
 #[test]
 fn neighbours_are_the_same_without_subgroups() {
-    pairs_on(&with_texts(&support::gpu(), PassTexts::Workgroup), &SIZES[..2]);
+    pairs_on(&with_variant(&support::gpu(), ShaderVariant::Workgroup), &SIZES[..2]);
 }
 
 fn pairs_on(gpu: &Gpu, sizes: &[usize]) {

@@ -34,9 +34,11 @@ impl Walk<'_> {
                 largest(points.iter().zip(&w.moving.points).map(|(a, b)| of(a, b).length()))
             };
             let velocity = gap(|a, b| xyz(&a.velocity) - b.velocity).max(gap(|a, b| xyz(&a.before) - b.before));
-            let outside = gap(|a, b| xyz(&a.outside) - b.outside).max(gap(|a, b| xyz(&a.push) - b.push));
-            self.same("rods/begin", velocity.max(outside), bounds.speed)?;
-            let moves = gap(|a, b| xyz(&a.carried) - b.carried).max(gap(|a, b| xyz(&a.rest_drift) - b.rest_drift));
+            let external_dv = gap(|a, b| xyz(&a.external_dv) - b.external_dv)
+                .max(gap(|a, b| xyz(&a.impulse_change) - b.impulse_change));
+            self.same("rods/begin", velocity.max(external_dv), bounds.speed)?;
+            let moves =
+                gap(|a, b| xyz(&a.previous_move) - b.previous_move).max(gap(|a, b| xyz(&a.rest_drift) - b.rest_drift));
             self.same("rods/begin", moves, bounds.length)?;
         }
         if passes.through("rods/sample_air") {
@@ -93,8 +95,9 @@ impl Walk<'_> {
             self.moves("rods/predict", w)?;
             let (points, segments) = fixture.rods();
             let pairs = || points.iter().zip(&w.moving.points);
-            let push =
-                pairs().map(|(a, b)| (xyz(&a.push) - b.push).length().max((xyz(&a.outside) - b.outside).length()));
+            let push = pairs().map(|(a, b)| {
+                (xyz(&a.impulse_change) - b.impulse_change).length().max((xyz(&a.external_dv) - b.external_dv).length())
+            });
             self.same("rods/predict", largest(push), bounds.speed)?;
             let free = pairs().filter(|(_, b)| b.step.is_finite()).map(|(a, b)| (xyz(&a.free) - b.free).length());
             self.same("rods/predict", largest(free), bounds.hair)?;
@@ -151,7 +154,7 @@ impl Walk<'_> {
     /// Compares moves, frames and, of the direct solver, turns and strains of segments that are integrated.
     fn moves(&mut self, pass: &'static str, w: &Scratch) -> Same {
         let (points, segments) = self.fixture.rods();
-        let moves = points.iter().zip(&w.moving.points).map(|(a, b)| (xyz(&a.travel) - b.travel).length());
+        let moves = points.iter().zip(&w.moving.points).map(|(a, b)| (xyz(&a.displacement) - b.displacement).length());
         self.same(pass, largest(moves), self.bounds.hair)?;
         let pairs = || segments.iter().zip(&w.moving.segments);
         let frames = largest(pairs().map(|(a, b)| (quaternion(a.frame) - b.frame).length()));
@@ -178,12 +181,17 @@ fn solve_all(s: &Reference, w: &mut Scratch, p: &Parameters) {
 /// Planted faults of the passes of this stage.
 pub const FAULTS: &[Fault] = &[
     (&shaders::rods::BEGIN, "correction[p].xyz / params.step", "0.9 * correction[p].xyz / params.step", PARTICLES),
-    (&shaders::rods::BEGIN, "change - history.outside", "change", TWO_WAY),
+    (&shaders::rods::BEGIN, "change - history.external_dv", "change", TWO_WAY),
     (&shaders::rods::SAMPLE_AIR, "hair / params.air_density", "0.9 * hair / params.air_density", TWO_WAY),
     (&shaders::rods::DRAG, "params.lift", "0.9 * params.lift", DRAG),
     (&shaders::rods::DRAG, "LENGTHS: f32 = 8.0", "LENGTHS: f32 = 7.0", GALE),
     (&shaders::rods::DRAG, "STORMY: f32 = 1.0 / 3.0", "STORMY: f32 = 1.0 / 3000.0", DRAG),
-    (&shaders::rods::SAMPLE_FIELDS, "gale_at(air.position).wind", "0.9 * gale_at(air.position).wind", FIELDS_ON_HAIR),
+    (
+        &shaders::rods::SAMPLE_FIELDS,
+        "field_velocity_at(air.position).wind",
+        "0.9 * field_velocity_at(air.position).wind",
+        FIELDS_ON_HAIR,
+    ),
     (&shaders::rods::PUSH_HAIR, "/ w * pushed[p].xyz", "/ w * 0.9 * pushed[p].xyz", PUSHED),
     (
         &shaders::rods::EXCLUDE_PUSH,
@@ -206,8 +214,8 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::rods::SOLVE, "momentum.xyz / momentum.w", "0.9 * momentum.xyz / momentum.w", LOOSE),
     (&shaders::rods::GAUSS_SEIDEL, "0.5 * rotate(before", "0.4 * rotate(before", SWEEPS),
     (&shaders::rods::UPDATE, "rest_length - 1.0", "rest_length - 1.0001", PARTICLES),
-    (&shaders::rods::UPDATE, "remainder, point.travel", "remainder, 0.9 * point.travel", PARTICLES),
-    (&shaders::rods::UPDATE, "rate(point.travel", "rate(0.9 * point.travel", PARTICLES),
+    (&shaders::rods::UPDATE, "remainder, point.displacement", "remainder, 0.9 * point.displacement", PARTICLES),
+    (&shaders::rods::UPDATE, "rate(point.displacement", "rate(0.9 * point.displacement", PARTICLES),
     (&shaders::rods::UPDATE, "before = point.velocity", "before = 0.9 * point.velocity", PARTICLES),
     (&shaders::rods::DRAG_IMPULSE, "point.resistance *", "0.9 * point.resistance *", TWO_WAY),
     (&shaders::rods::REACT, "params.air_inverse_mass * own.w", "0.9 * params.air_inverse_mass * own.w", TWO_WAY),

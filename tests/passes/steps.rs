@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 use windswept::{
-    Accelerations, Frame, Gpu, PassTexts, Simulation,
-    internals::{with_sources, with_texts},
+    Accelerations, Frame, Gpu, ShaderVariant, Simulation,
+    internals::{with_sources, with_variant},
 };
 use windswept_reference::step::step as reference_step;
 use windswept_scene::{InitialState, Scene, Strands};
@@ -107,7 +107,7 @@ pub const LIGHT_HAIR: &[&str] =
 pub const SWEEPS: &[&str] = &["rods.solver=gauss-seidel", "interaction.model=none"];
 /// Force fields of each shape that overlap one another and the hair, one of them by keyframes.
 const THREE_FIELDS: &str = "force=[{name='a',field='jet',origin=[0.02,0.03,0.03],axis=[1,0.2,0],reach=0.06,radius=0.03,\
-    course=[{time=0,strength=0},{time=0.004,strength=4},{time=0.02,strength=-2}]},\
+    keyframes=[{time=0,strength=0},{time=0.004,strength=4},{time=0.02,strength=-2}]},\
     {name='b',field='vortex',origin=[0.06,0.03,0.03],axis=[0,1,1],reach=0.05,strength=-3,uptake=0.01},\
     {name='c',field='point',origin=[0.05,0.02,0.03],reach=0.03,strength=2}]";
 /// Settings with force fields in air that hair slows.
@@ -294,12 +294,13 @@ fn steps_are_those_of_the_reference() {
     }
 }
 
-/// GPUs run other texts of the passes: those with subgroup operations share strands, rows of cells and blocks of nodes among eight
+/// GPUs run other variants of the passes: those with subgroup operations share strands, rows of cells and blocks of nodes among eight
 /// invocations, and clusters of hair among four times eight. Strands have fewer than eight points, as many, and more; boxes are smaller
 /// than what reaches a node.
 #[test]
-fn steps_of_the_texts_for_gpus_are_those_of_the_reference() {
-    let both = [PassTexts::Subgroups, PassTexts::Workgroup].map(|texts| with_texts(&support::gpu(), texts));
+fn steps_of_the_variants_for_gpus_are_those_of_the_reference() {
+    let both =
+        [ShaderVariant::Subgroups, ShaderVariant::Workgroup].map(|variant| with_variant(&support::gpu(), variant));
     for gpu in &both {
         for (sets, points) in [
             (PUBLISHED, 8),
@@ -313,7 +314,7 @@ fn steps_of_the_texts_for_gpus_are_those_of_the_reference() {
         ] {
             let points = format!("hair.points={points}");
             steps_of_both(gpu, &[sets, &[&points]].concat(), &bounds(sets), 2)
-                .unwrap_or_else(|said| panic!("{:?}, {sets:?}, {points}: {said}", gpu.texts()));
+                .unwrap_or_else(|said| panic!("{:?}, {sets:?}, {points}: {said}", gpu.variant()));
         }
     }
 }
@@ -323,8 +324,8 @@ fn once(text: &str) -> String {
     text.replace("quotient + fma(-quotient, vec3f(h), way) / h", "quotient")
 }
 
-/// A GPU with other texts: quotients that a GPU divides twice are divided once, since on this adapter the second quotient, which a GPU's
-/// inexact one needs, is of what fma rounds twice; and these passes run their texts without subgroup operations.
+/// A GPU with other shaders: quotients that a GPU divides twice are divided once, since on this adapter the second quotient, which a GPU's
+/// inexact one needs, is of what fma rounds twice; and these passes run their variant without subgroup operations.
 fn divided_once(gpu: &Gpu, alone: &[&Pass]) -> Gpu {
     let other = |pass: &'static Pass| {
         let text = if alone.contains(&pass) { pass.source_without_subgroups.unwrap() } else { pass.source };
@@ -334,18 +335,18 @@ fn divided_once(gpu: &Gpu, alone: &[&Pass]) -> Gpu {
 }
 
 /// A software adapter reads from uniforms and textures what others read from storage buffers: the same bits. Passes whose invocations share
-/// a sum on a GPU add in another order there: they run their texts without subgroup operations. And quotients that a GPU divides twice are
+/// a sum on a GPU add in another order there: they run their variant without subgroup operations. And quotients that a GPU divides twice are
 /// divided once.
 #[test]
-fn software_texts_change_no_bit() {
+fn the_software_variant_changes_no_bit() {
     let gpu = support::gpu();
-    assert_eq!(gpu.texts(), PassTexts::Software, "{:?}", gpu.info());
+    assert_eq!(gpu.variant(), ShaderVariant::Software, "{:?}", gpu.info());
     let sum: Vec<_> = [&shaders::turbulence::DEPOSIT, &shaders::fluid::COARSE_DEPOSIT]
         .into_iter()
         .chain(PASSES.into_iter().filter(|pass| pass.source.contains("added_up(")))
         .collect();
     assert_eq!(sum.len(), 2 + 6);
-    let buffers = divided_once(&with_texts(&gpu, PassTexts::Subgroups), &sum);
+    let buffers = divided_once(&with_variant(&gpu, ShaderVariant::Subgroups), &sum);
     for sets in [PUBLISHED, PARTICLES, DRAG, CROWDED, DIVERGENCE, PRESSED_HAIR, BODIES, FIELDS, NEWTON] {
         let [software, buffers] = [&gpu, &buffers].map(|gpu| {
             let mut sim = Simulation::new(gpu, &small(sets)).unwrap();
@@ -362,17 +363,17 @@ fn software_texts_change_no_bit() {
 #[test]
 fn shared_strands_sleep_wake_and_start_anew_alike() {
     let gpu = support::gpu();
-    let shared = divided_once(&with_texts(&gpu, PassTexts::Subgroups), &[]);
+    let shared = divided_once(&with_variant(&gpu, ShaderVariant::Subgroups), &[]);
     let calm = ["interaction.model=drag", "gravity=[0,0,0]", "air.wind=[0,0,0]", "hair.length=0.02"];
     for points in [3, 7, 19] {
         let scene = small(&[&calm[..], &[&format!("hair.points={points}")]].concat());
         let [alone, together] = [&gpu, &shared].map(|gpu| life_of_strands(gpu, &scene));
         let counts: Vec<_> = alone.iter().map(|told| told.0).collect();
         println!("{points} points: {counts:?}");
-        let [_, asleep, pushed, spoilt, jumps, blown] = counts[..] else { panic!("{counts:?}") };
-        assert_eq!([spoilt.resets - pushed.resets, jumps.teleports - spoilt.teleports], [1, 1], "{counts:?}");
+        let [_, sleeping, pushed, invalid, jumps, blown] = counts[..] else { panic!("{counts:?}") };
+        assert_eq!([invalid.resets - pushed.resets, jumps.teleports - invalid.teleports], [1, 1], "{counts:?}");
         // Ten of twelve sleep: one swings, another is pushed.
-        assert_eq!((pushed.asleep - asleep.asleep, blown.asleep - jumps.asleep), (10 * 5, 0), "{counts:?}");
+        assert_eq!((pushed.sleeping - sleeping.sleeping, blown.sleeping - jumps.sleeping), (10 * 5, 0), "{counts:?}");
         assert!(alone == together, "{points} points: not the same bits");
     }
 }
@@ -380,13 +381,13 @@ fn shared_strands_sleep_wake_and_start_anew_alike() {
 /// Steps of all strands so far.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Counts {
-    asleep: u64,
+    sleeping: u64,
     teleports: u64,
     resets: u64,
 }
 
 /// What happens to strands that are straight and at rest: the tip of one is plucked and swings, the others fall asleep, the tip of another is pushed, a third is
-/// spoilt, the root of a fourth jumps and that of a fifth moves a little, and the wind rises.
+/// invalid, the root of a fourth jumps and that of a fifth moves a little, and the wind rises.
 fn life_of_strands(gpu: &Gpu, scene: &Scene) -> Vec<(Counts, Frame)> {
     let mut sim = Simulation::new(gpu, scene).unwrap();
     let hair = sim.initial().hair.clone();
@@ -396,7 +397,7 @@ fn life_of_strands(gpu: &Gpu, scene: &Scene) -> Vec<(Counts, Frame)> {
         let report = sim.report().unwrap();
         let strand_steps = report.strand_steps.unwrap();
         let resets = report.warnings.get("strand_reset").copied().unwrap_or_default();
-        let counts = Counts { asleep: strand_steps["asleep_steps"], teleports: strand_steps["teleports"], resets };
+        let counts = Counts { sleeping: strand_steps["sleeping_steps"], teleports: strand_steps["teleports"], resets };
         told.push((counts, sim.frame().unwrap()));
     };
     let on_tip = |s: usize, acceleration: f64| {
@@ -425,7 +426,7 @@ fn life_of_strands(gpu: &Gpu, scene: &Scene) -> Vec<(Counts, Frame)> {
     told
 }
 
-/// Texts for software adapters read uniforms in the first lines of the entry point only, before any branch, and no pass asks behind
+/// The software variant reads uniforms in the first lines of the entry point only, before any branch, and no pass asks behind
 /// one whether the step is frozen.
 #[test]
 fn uniforms_are_read_before_all_branches() {

@@ -118,13 +118,13 @@ impl Walk<'_> {
                 self.nodes("turbulence/deposit", &state.deposited, &deposited)?;
             }
             let partly = [
-                ("turbulence/smooth_x", [&state.smoothed, &state.curvature]),
-                ("turbulence/smooth_y", [&state.smoother, &state.smoother_curvature]),
+                ("turbulence/smooth_x", [&state.smooth_x, &state.curvature]),
+                ("turbulence/smooth_y", [&state.smooth_xy, &state.curvature_xy]),
             ];
             for (axes, (pass, arrays)) in (1..).zip(partly) {
                 assert!(passes.through(pass));
-                let [smoothed, mut curved] = turbulence::smooth_along(&p, band.scale, &deposited, axes);
-                self.nodes(pass, arrays[0], &smoothed)?;
+                let [smooth_x, mut curved] = turbulence::smooth_along(&p, band.scale, &deposited, axes);
+                self.nodes(pass, arrays[0], &smooth_x)?;
                 curved.values.iter_mut().for_each(|node| node.w = 0.0);
                 self.nodes(pass, arrays[1], &curved)?;
             }
@@ -191,8 +191,8 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::turbulence::BAND, "3.0 - q", "2.9 - q", PUBLISHED),
     (
         &shaders::turbulence::DEPOSIT,
-        "kept[1] += shown_by(given[1], 4u)",
-        "kept[1] += shown_by(given[0], 4u)",
+        "kept[1] += from_lane(given[1], 4u)",
+        "kept[1] += from_lane(given[0], 4u)",
         PARTICLES,
     ),
     (&shaders::turbulence::SMOOTH_X, "sum = next4(sum)", "sum = sum", PARTICLES),
@@ -257,7 +257,7 @@ fn compare(law: Law, filter: Filter, bounds: [f64; 4]) {
         fixture.engine.set_status(&status).unwrap();
         let v = stirred(&reference.position);
         fixture.write_vectors(&s.velocity, &v);
-        let near = fixture.meet();
+        let near = fixture.list_neighbours();
         fixture.run(step::turbulence::record);
 
         let x = &reference.position;

@@ -58,7 +58,7 @@ fn viscosity_and_its_limiter_are_those_of_the_reference() {
         scene.viscosity =
             windswept_scene::Viscosity { hair: coefficient, air: 0.4 * coefficient, smagorinsky: 0.0, form };
         each(&scene, |what, fixture| {
-            let near = fixture.meet();
+            let near = fixture.list_neighbours();
             let (s, p) = (&fixture.reference, &fixture.parameters);
             let v = stirred(s.position.len());
             fixture.write_vectors(&fixture.engine.state().new_velocity, &v);
@@ -80,7 +80,7 @@ fn the_limiter_leaves_small_coefficients_alone() {
         let mut scene = support::scene();
         scene.viscosity = windswept_scene::Viscosity { hair: 0.6, air: 0.3, smagorinsky: 0.0, form };
         let fixture = Fixture::new(&scene, &initial);
-        fixture.meet();
+        fixture.list_neighbours();
         fixture.write_vectors(&fixture.engine.state().new_velocity, &stirred(fixture.reference.position.len()));
         fixture.run(|r, plan| {
             step::fluid::record_density(r, plan);

@@ -39,7 +39,7 @@ fn skipped(case: &Disturbed, drive: impl Fn(&mut Simulation, f64)) -> (f64, f64)
         let mut simulation = Simulation::new(&support::gpu(), &Scene::parse(&text).unwrap()).unwrap();
         simulation.step((rest / step) as u64).unwrap();
         let counted = simulation.report().unwrap().strand_steps.unwrap();
-        assert_eq!(sleep, counted["asleep_steps"] > 0, "{what}: {counted:?}");
+        assert_eq!(sleep, counted["sleeping_steps"] > 0, "{what}: {counted:?}");
         let start = simulation.time();
         let path: Vec<_> = (0..(then / step) as usize)
             .map(|_| {
@@ -141,13 +141,13 @@ fn what_is_skipped_in_honey_or_weightless_is_not_missed() {
 fn sleep_does_not_move_what_rests() {
     let rods = [Rod::level(1.0, 34), Rod::level(10.0, 34), Rod::level(100.0, 34)];
     for step in [1.38e-3, 8.3e-3] {
-        let (asleep, report) = rest(&rods, step, 4.0);
-        assert!(report.strand_steps.unwrap()["asleep_steps"] > 0);
+        let (sleeping, report) = rest(&rods, step, 4.0);
+        assert!(report.strand_steps.unwrap()["sleeping_steps"] > 0);
         let (scene, initial) = build(&rods, step, "damping = 8.0, sleep = false");
         let mut simulation = Simulation::with_state(&support::gpu(), &scene, initial).unwrap();
         simulation.step((4.0 / step) as u64).unwrap();
         let awake = tips(&simulation.frame().unwrap().hair);
-        for (rod, (a, b)) in rods.iter().zip(asleep.iter().zip(&awake)) {
+        for (rod, (a, b)) in rods.iter().zip(sleeping.iter().zip(&awake)) {
             println!("{step} s, gamma {}: {:.1e} L", rod.gamma, (*a - *b).length());
             assert!((*a - *b).length() < 1e-4, "{step} s, gamma {}: {} L", rod.gamma, (*a - *b).length());
         }
@@ -177,9 +177,9 @@ fn hair_sleeps_in_steady_wind() {
 fn hair_sleeps_in_wind_that_it_slows() {
     let mut sleeper = real_hair("two-way", 1.0, 1.38e-3, true);
     sleeper.step(870).unwrap();
-    let slept = asleep(&mut sleeper);
+    let slept = sleeping(&mut sleeper);
     sleeper.step(500).unwrap();
-    let then = asleep(&mut sleeper) - slept;
+    let then = sleeping(&mut sleeper) - slept;
     println!("{slept} of 870 steps asleep, then {then} of 500");
     assert!(slept > 400 && then == 500, "{slept} of 870 steps asleep, then {then} of 500");
 }
@@ -195,8 +195,8 @@ fn real_hair(model: &str, wind: f64, step: f64, sleep: bool) -> Simulation {
     Simulation::new(&support::gpu(), &Scene::parse(&text).unwrap()).unwrap()
 }
 
-fn asleep(simulation: &mut Simulation) -> u64 {
-    simulation.report().unwrap().strand_steps.unwrap()["asleep_steps"]
+fn sleeping(simulation: &mut Simulation) -> u64 {
+    simulation.report().unwrap().strand_steps.unwrap()["sleeping_steps"]
 }
 
 /// By the time `late` \[s\] it sleeps.
@@ -205,7 +205,7 @@ fn assert_sleeps(model: &str, wind: f64, step: f64, late: f64) {
     // It has been still for 0.07 s and for ten steps.
     let soon = 0.07_f64.max(10.0 * step);
     sleeper.step((late / step) as u64).unwrap();
-    let slept = asleep(&mut sleeper);
+    let slept = sleeping(&mut sleeper);
     assert!(slept > 0 && slept <= ((late - soon) / step) as u64, "{model}, {wind} m/s, {step} s: {slept} steps asleep");
     println!("{model}, {wind} m/s, {step} s: {slept} steps asleep");
     let tip = tips(&sleeper.frame().unwrap().hair)[0];
@@ -217,10 +217,10 @@ fn assert_sleeps(model: &str, wind: f64, step: f64, late: f64) {
         assert!(off < 1e-4, "{model}, {wind} m/s, {step} s: {off} L off");
     }
     sleeper.step(20).unwrap();
-    assert_eq!(asleep(&mut sleeper), slept + 20, "{model}, {wind} m/s, {step} s: woken by nothing");
+    assert_eq!(sleeping(&mut sleeper), slept + 20, "{model}, {wind} m/s, {step} s: woken by nothing");
     sleeper.set_wind(DVec3::X * (wind + 0.1)).unwrap();
     sleeper.step(20).unwrap();
-    assert!(asleep(&mut sleeper) < slept + 40, "{model}, {wind} m/s, {step} s: not woken by a breath");
+    assert!(sleeping(&mut sleeper) < slept + 40, "{model}, {wind} m/s, {step} s: not woken by a breath");
 }
 
 /// Tips of falling strands, however short the steps are, go where they go in a run that skips nothing.

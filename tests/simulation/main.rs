@@ -11,7 +11,7 @@ use support::{MASS, RADIUS, VOLUME};
 use windswept::{
     Frame, Simulation,
     gpu::wgpu,
-    internals::{AnyArray, Engine, Setup, with_texts},
+    internals::{AnyArray, Engine, Setup, with_variant},
 };
 use windswept_scene::{
     AirParticles, Body, FluidSolver, InitialState, Keyframe, Model, Motion, Scene, Shape, Solver, Strands,
@@ -148,7 +148,7 @@ fn a_short_neighbour_list_is_grown_and_the_step_replayed() {
 
 /// A run on the software adapter, with the texts of the passes that another simulation runs: others round otherwise.
 fn with_texts_of(other: &Simulation, scene: &Scene, initial: &InitialState, steps: u64) -> Simulation {
-    let gpu = with_texts(&support::gpu(), other.gpu().texts());
+    let gpu = with_variant(&support::gpu(), other.gpu().variant());
     let mut simulation = Simulation::with_state(&gpu, scene, initial.clone()).unwrap();
     simulation.step(steps).unwrap();
     simulation
@@ -178,7 +178,7 @@ fn a_list_in_pages_changes_no_bit() {
         let frame = simulation.frame().unwrap();
         let whole = with_texts_of(&simulation, scene, initial, 3);
         assert_eq!(whole.engine().sizes().pages, 1);
-        assert!(frame == whole.frame().unwrap(), "other bits in {} pages, {:?}", sizes.pages, whole.gpu().texts());
+        assert!(frame == whole.frame().unwrap(), "other bits in {} pages, {:?}", sizes.pages, whole.gpu().variant());
         (first, sizes.pages)
     };
     let clump = support::particles(600, 60, support::Layout::OneCell, 5);

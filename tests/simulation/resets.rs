@@ -104,7 +104,7 @@ fn many_non_finite_strands_end_the_run() {
 /// A run that ended goes on once its caller says so: what was not finite is put back to rest, named and counted, and only that.
 #[test]
 fn what_ended_a_run_is_put_back_to_rest() {
-    let spoilt = |air: bool| {
+    let invalid = |air: bool| {
         let mut simulation = Simulation::with_state(&support::gpu(), &windy(), brush(4)).unwrap();
         simulation.step(3).unwrap();
         let engine = simulation.engine();
@@ -121,12 +121,12 @@ fn what_ended_a_run_is_put_back_to_rest() {
         println!("{reset}");
         assert_eq!((reset.step, reset.air), (3, air));
         // Air that is not finite spoils what it touches in the same step.
-        let spoilt = if air { reset.strands >= 4 } else { reset.named == [6, 7, 8, 9] && reset.strands == 4 };
-        assert!(spoilt, "{reset}");
+        let invalid = if air { reset.strands >= 4 } else { reset.named == [6, 7, 8, 9] && reset.strands == 4 };
+        assert!(invalid, "{reset}");
         (simulation, reset.strands)
     };
     for air in [false, true] {
-        let (mut simulation, strands) = spoilt(air);
+        let (mut simulation, strands) = invalid(air);
         simulation.step(1).unwrap();
         assert_eq!(simulation.steps(), 4);
         let (hair, frame) = (simulation.initial().hair.clone(), simulation.frame().unwrap());
@@ -168,8 +168,8 @@ fn what_comes_back_ends_the_run() {
     let mut tries = 0;
     let ended = loop {
         let engine = simulation.engine();
-        let spoilt = vec![[f32::NAN; 4]; engine.sizes().particles as usize];
-        engine.write(&engine.state().velocity, &spoilt).unwrap();
+        let invalid = vec![[f32::NAN; 4]; engine.sizes().particles as usize];
+        engine.write(&engine.state().velocity, &invalid).unwrap();
         let error = simulation.step(1).unwrap_err();
         match simulation.recover(error) {
             Ok(_) => tries += 1,
@@ -316,11 +316,11 @@ fn place(simulation: &Simulation) -> usize {
     simulation.initial().hair.points(VICTIM).start + PLACE
 }
 
-/// Says that the victim is spoilt: the next step puts it into its rest shape, and counts it.
+/// Says that the victim is invalid: the next step puts it into its rest shape, and counts it.
 fn spoil(simulation: &Simulation) {
     let engine = simulation.engine();
     let mut strands = engine.read(&engine.state().strand_history).unwrap();
-    strands[VICTIM].condition.bad = SPOILT;
+    strands[VICTIM].condition.failed = SPOILT;
     engine.write(&engine.state().strand_history, &strands).unwrap();
 }
 

@@ -12,7 +12,7 @@ use clap::builder::{EnumValueParser, PossibleValue, TypedValueParser};
 use clap::error::ErrorKind;
 use clap::{Arg, Args, Parser, Subcommand, ValueEnum, value_parser};
 use windswept_export::{CHECKPOINT, DEFAULT_FORMATS, FORMATS, Format, SHEET, files_of_run};
-use windswept_scene::{GroomFormat, Scene, Up, keys::Key, limits::MOST_POINTS_OF_A_STRAND};
+use windswept_scene::{GroomFormat, Scene, Up, keys::Key, limits::MAX_POINTS_OF_A_STRAND};
 #[cfg(feature = "validate")]
 use windswept_validate::{CHECKS, LONG_CHECKS};
 
@@ -163,7 +163,7 @@ pub(crate) struct ConvertOptions {
     #[arg(long, value_name = "AXES", value_parser = up)]
     pub(crate) up: Option<Up>,
     /// Divide strands anew into so many points, evenly along their length
-    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(2..=i64::from(MOST_POINTS_OF_A_STRAND)), allow_negative_numbers = true)]
+    #[arg(long, value_name = "N", value_parser = value_parser!(u32).range(2..=i64::from(MAX_POINTS_OF_A_STRAND)), allow_negative_numbers = true)]
     pub(crate) points: Option<u32>,
     /// Keep so many strands, those whose roots are far from one another
     #[arg(long, value_name = "N", value_parser = count, allow_negative_numbers = true)]

@@ -294,7 +294,7 @@ impl Filmed {
     /// due: a step that was not reached has none.
     fn ended(&self, error: &RunError) -> Failure {
         let again = match error {
-            RunError::NonFiniteAir { .. } | RunError::TooManyBadStrands { .. } => self.save().ok().map(|()| {
+            RunError::NonFiniteAir { .. } | RunError::TooManyFailedStrands { .. } => self.save().ok().map(|()| {
                 let path = self.checkpoint.display();
                 format!("; {path} has the state before that step, from which `windswept run --resume` takes it again")
             }),

@@ -321,9 +321,9 @@ fn a_blow_up_is_put_back_to_rest_if_asked() {
     let notes: Notes = checkpoint.notes().expect("the notes of a run");
     let simulation = checkpoint.start(&gpu).expect("a simulation");
     let velocity = &simulation.engine().state().velocity;
-    let mut spoilt = simulation.engine().read(velocity).expect("velocities");
-    spoilt[..simulation.initial().hair.positions.len()].fill([f32::NAN; 4]);
-    simulation.engine().write(velocity, &spoilt).expect("a write");
+    let mut invalid = simulation.engine().read(velocity).expect("velocities");
+    invalid[..simulation.initial().hair.positions.len()].fill([f32::NAN; 4]);
+    simulation.engine().write(velocity, &invalid).expect("a write");
     simulation.save_with(&path, &notes).expect("a checkpoint");
 
     let ended = resume(folder.path(), "out", &["--steps", "20"]);

@@ -35,9 +35,9 @@ pub fn write_npz(
     frame: impl Fn(usize) -> Result<Frame, ExportError>,
     provenance: &Provenance<'_>,
 ) -> Result<(), ExportError> {
-    let misfit = |problem: &str| ExportError::Frame { path: path.to_path_buf(), problem: problem.to_owned() };
+    let invalid = |problem: &str| ExportError::Frame { path: path.to_path_buf(), problem: problem.to_owned() };
     if frames == 0 {
-        return Err(misfit("there is no frame"));
+        return Err(invalid("there is no frame"));
     }
     let first = frame(0)?.hair;
     let (points, strands) = (first.positions.len(), first.offsets.len().saturating_sub(1));
@@ -53,7 +53,7 @@ pub fn write_npz(
         for k in 0..frames {
             let frame = frame(k)?;
             if frame.hair.offsets != first.offsets || rows(&frame.hair).len() != points {
-                return Err(misfit(&format!("frame {k} has other strands than the first")));
+                return Err(invalid(&format!("frame {k} has other strands than the first")));
             }
             archive.put(rows(&frame.hair).as_flattened().iter().map(|x| x.to_le_bytes()))?;
             times.push(frame.time);

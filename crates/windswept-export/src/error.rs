@@ -21,7 +21,7 @@ pub enum ExportError {
     Frame {
         /// The file.
         path: PathBuf,
-        /// The misfit, with both numbers.
+        /// The invalid, with both numbers.
         problem: String,
     },
     /// The folder is somebody else's now, or something in it is in the way.

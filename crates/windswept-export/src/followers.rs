@@ -26,7 +26,7 @@ mod tests;
 
 use glam::{Quat, Vec3};
 use windswept::{Frame, HairFrame};
-use windswept_scene::{Body, Curves, Hair, Scene, Strands, limits::MOST_HAIRS};
+use windswept_scene::{Body, Curves, Hair, Scene, Strands, limits::MAX_HAIRS};
 
 use crate::ExportError;
 use crate::strands::check_strands;
@@ -85,7 +85,7 @@ impl Followers {
     ///
     /// # Errors
     /// [`ExportError::Picture`] if there is no strand, a groom file cannot be read any more, or the hairs are more than
-    /// [`MOST_HAIRS`].
+    /// [`MAX_HAIRS`].
     pub fn new(scene: &Scene, start: &HairFrame) -> Result<Self, ExportError> {
         Self::with_groom(scene, start, None)
     }
@@ -214,8 +214,8 @@ impl Followers {
         let strands = group.strands;
         let most = group.range.clone().map(each).max().unwrap_or(1);
         let hairs = group.range.clone().map(each).fold(self.len(), usize::saturating_add);
-        if hairs > MOST_HAIRS as usize {
-            let problem = format!("the strands stand for {hairs} hairs; expected at most {MOST_HAIRS}");
+        if hairs > MAX_HAIRS as usize {
+            let problem = format!("the strands stand for {hairs} hairs; expected at most {MAX_HAIRS}");
             return Err(ExportError::Picture { problem });
         }
         let mut next = strands.ids.iter().max().map_or(strands.offsets.len() as u32 - 1, |last| last.saturating_add(1));

@@ -12,7 +12,7 @@ use crate::ExportError;
 /// Space between the pictures of a contact sheet \[px\].
 const GAP: u32 = 4;
 /// Pixels of a contact sheet, at most: it and its pictures lie in memory, 1.5 GB with what is saved.
-const MOST_PIXELS: u64 = 128 << 20;
+const MAX_PIXELS: u64 = 128 << 20;
 /// Keyword of the text in a PNG that names the program which made it, and this program.
 const MAKER: [&str; 2] = ["Software", "windswept"];
 
@@ -81,10 +81,10 @@ pub fn check_sheet(sizes: &[(u32, u32)]) -> Result<(u32, u32), ExportError> {
         (columns * rows).saturating_mul(across).saturating_mul(down)
     };
     let n = sizes.len() as u64;
-    if n > 1 && pixels(n) > MOST_PIXELS {
-        let fit = (1..n).rev().find(|n| pixels(*n) <= MOST_PIXELS).unwrap_or(1);
+    if n > 1 && pixels(n) > MAX_PIXELS {
+        let fit = (1..n).rev().find(|n| pixels(*n) <= MAX_PIXELS).unwrap_or(1);
         return refuse(format!(
-            "{n} pictures of {width} x {height} pixels are too many for a contact sheet of {MOST_PIXELS} pixels; expected at most {fit}"
+            "{n} pictures of {width} x {height} pixels are too many for a contact sheet of {MAX_PIXELS} pixels; expected at most {fit}"
         ));
     }
     Ok((width, height))

@@ -34,7 +34,7 @@ const ROUND: f32 = 0.20;
 /// Points of a hair, at least.
 const FEWEST_POINTS: u32 = 48;
 /// Points between two of a strand's, at most.
-const MOST_BETWEEN: u32 = 12;
+const MAX_BETWEEN: u32 = 12;
 
 /// Draws frames of one scene.
 ///
@@ -229,7 +229,7 @@ fn samples(hair: &HairFrame) -> u32 {
     let turns: Vec<f32> = strands().flat_map(|points| points.windows(3).map(turn)).collect();
     let mean = turns.iter().sum::<f32>() / turns.len().max(1) as f32;
     // The wind bends hair by more than it starts with.
-    let between = (FEWEST_POINTS.div_ceil(segments)).max((mean / ROUND).ceil() as u32).clamp(1, MOST_BETWEEN);
+    let between = (FEWEST_POINTS.div_ceil(segments)).max((mean / ROUND).ceil() as u32).clamp(1, MAX_BETWEEN);
     segments * between + 1
 }
 
@@ -245,7 +245,7 @@ mod tests {
             let drawn = samples(&HairFrame { positions, offsets: vec![0, points], ..HairFrame::default() });
             assert_eq!((drawn - 1) % (points - 1), 0, "{drawn} of {points} points");
             assert!(
-                drawn >= points && drawn > FEWEST_POINTS.min(MOST_BETWEEN * (points - 1)),
+                drawn >= points && drawn > FEWEST_POINTS.min(MAX_BETWEEN * (points - 1)),
                 "{drawn} of {points} points"
             );
         }

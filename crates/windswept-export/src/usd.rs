@@ -167,12 +167,12 @@ pub fn write_usda(
     rate: f64,
     provenance: &Provenance<'_>,
 ) -> Result<(), ExportError> {
-    let misfit = |problem: String| ExportError::Frame { path: path.to_path_buf(), problem };
+    let invalid = |problem: String| ExportError::Frame { path: path.to_path_buf(), problem };
     if frames == 0 {
-        return Err(misfit("there is no frame".to_owned()));
+        return Err(invalid("there is no frame".to_owned()));
     }
     let first = frame(0)?.hair;
-    check(&first).map_err(misfit)?;
+    check(&first).map_err(invalid)?;
     let unwritten = |e: std::io::Error| failed(path, "could not be written", &e);
     let whole = AtomicFile::new(path).map_err(unwritten)?;
     let mut file = BufWriter::new(whole.create().map_err(unwritten)?);
@@ -181,9 +181,9 @@ pub fn write_usda(
         let _ = writeln!(text, "    {}.timeSamples = {{", sampled.name);
         for k in 0..frames {
             let frame = frame(k)?;
-            check(&frame.hair).map_err(misfit)?;
+            check(&frame.hair).map_err(invalid)?;
             if frame.hair.offsets != first.offsets {
-                return Err(misfit(format!("frame {k} has strands of other lengths than the first")));
+                return Err(invalid(format!("frame {k} has strands of other lengths than the first")));
             }
             sample(code(frame.time, rate), sampled, &frame.hair, &mut text);
             text.push('\n');

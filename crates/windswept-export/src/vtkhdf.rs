@@ -308,16 +308,16 @@ impl Continuation {
         frames: usize,
         provenance: &Provenance<'_>,
     ) -> Result<Self, ExportError> {
-        let misfit = |problem: String| ExportError::Frame { path: path.clone(), problem };
-        check_kind(kind, frame, frames).map_err(misfit)?;
+        let invalid = |problem: String| ExportError::Frame { path: path.clone(), problem };
+        check_kind(kind, frame, frames).map_err(invalid)?;
         refuse_link(&path)?;
         let reader = VtkHdfReader::open(&path)?;
         if reader.times().len() < written {
-            return Err(misfit(format!("has {} frames, expected the first {written}", reader.times().len())));
+            return Err(invalid(format!("has {} frames, expected the first {written}", reader.times().len())));
         }
         let last_time = written.checked_sub(1).map_or(f64::NEG_INFINITY, |last| reader.times()[last]);
         if !reader.is_of(kind, points(kind, frame), strands(kind, frame)) {
-            return Err(misfit("has other strands or particles than the run that is to go on".to_owned()));
+            return Err(invalid("has other strands or particles than the run that is to go on".to_owned()));
         }
         let mut larger = None;
         if reader.room() < frames {

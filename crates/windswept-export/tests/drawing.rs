@@ -240,7 +240,7 @@ fn air_shows_where_it_is_strong() {
 
 /// What cannot be drawn is refused in words, not drawn wrongly.
 #[test]
-fn misfits_are_refused() {
+fn invalid_frames_are_refused() {
     let gpu = gpu();
     let hair = strands(&three(), Vec3::X * 0.04);
     let refused = |made: Result<Renderer, ExportError>| made.err().map(|e| e.to_string()).unwrap_or_default();

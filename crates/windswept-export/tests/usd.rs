@@ -88,7 +88,7 @@ fn a_frame_that_was_begun_is_not_seen() {
 
 /// What does not belong into a film, or to one that is to go on, is refused in words, and the film stays as it was.
 #[test]
-fn misfits_are_refused() {
+fn invalid_frames_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     let mut writer = UsdWriter::create(folder.path(), &frame(0).hair, RATE, &PROVENANCE).unwrap();
     writer.append(&frame(0)).unwrap();
@@ -102,9 +102,9 @@ fn misfits_are_refused() {
         ("cannot follow", |f| f.time = f64::NAN),
     ];
     for (words, spoil) in spoils {
-        let mut spoilt = frame(2);
-        spoil(&mut spoilt);
-        let error = writer.append(&spoilt).unwrap_err().to_string();
+        let mut invalid = frame(2);
+        spoil(&mut invalid);
+        let error = writer.append(&invalid).unwrap_err().to_string();
         assert!(error.contains("hair.usda") && error.contains(words), "{error}");
     }
     drop(writer);

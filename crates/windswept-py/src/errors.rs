@@ -35,7 +35,7 @@ pub(crate) fn of_value(name: &str, what: impl std::fmt::Display) -> PyErr {
     PyValueError::new_err(format!("{name}: {what}"))
 }
 
-pub(crate) fn of_scene(py: Python<'_>, error: &windswept_scene::SceneError) -> PyErr {
+pub(crate) fn scene_error(py: Python<'_>, error: &windswept_scene::SceneError) -> PyErr {
     // Assignments come from keyword arguments here: their key says enough.
     let assigned = error.line().is_none() && error.source_name().starts_with("--set ");
     let words = match (assigned, error.key()) {
@@ -55,7 +55,7 @@ pub(crate) fn of_scene(py: Python<'_>, error: &windswept_scene::SceneError) -> P
     raised
 }
 
-pub(crate) fn of_gpu(error: &windswept::GpuError) -> PyErr {
+pub(crate) fn gpu_error(error: &windswept::GpuError) -> PyErr {
     if matches!(error, windswept::GpuError::Lost(_)) {
         gpu::forget();
     }
@@ -64,7 +64,7 @@ pub(crate) fn of_gpu(error: &windswept::GpuError) -> PyErr {
 
 pub(crate) fn of_run(error: &windswept::RunError) -> PyErr {
     match error {
-        windswept::RunError::Gpu(error) => of_gpu(error),
+        windswept::RunError::Gpu(error) => gpu_error(error),
         windswept::RunError::Input(words) => PyValueError::new_err(words.clone()),
         error => RunError::new_err(error.to_string()),
     }
@@ -72,8 +72,8 @@ pub(crate) fn of_run(error: &windswept::RunError) -> PyErr {
 
 pub(crate) fn of_start(py: Python<'_>, error: &windswept::Error) -> PyErr {
     match error {
-        windswept::Error::Scene(error) => of_scene(py, error),
-        windswept::Error::Gpu(error) => of_gpu(error),
+        windswept::Error::Scene(error) => scene_error(py, error),
+        windswept::Error::Gpu(error) => gpu_error(error),
         error => RunError::new_err(error.to_string()),
     }
 }
@@ -83,23 +83,23 @@ pub(crate) fn of_checkpoint(py: Python<'_>, error: &CheckpointError) -> PyErr {
         // An error of the system is Python's own for it, with the path.
         CheckpointError::File { reason, .. } => std::io::Error::new(reason.kind(), error.to_string()).into(),
         CheckpointError::Start { error, .. } => of_start(py, error),
-        CheckpointError::Gpu(error) => of_gpu(error),
+        CheckpointError::Gpu(error) => gpu_error(error),
         error => PyValueError::new_err(error.to_string()),
     }
 }
 
-pub(crate) fn of_ops(py: Python<'_>, error: &OpsError) -> PyErr {
+pub(crate) fn ops_error(py: Python<'_>, error: &OpsError) -> PyErr {
     match error {
         OpsError::Argument { name, what } => of_value(name, what),
         OpsError::Run(error) => of_run(error),
-        OpsError::Scene(error) => of_scene(py, error),
+        OpsError::Scene(error) => scene_error(py, error),
         error => RunError::new_err(error.to_string()),
     }
 }
 
-pub(crate) fn of_export(error: &windswept_export::ExportError) -> PyErr {
+pub(crate) fn export_error(error: &windswept_export::ExportError) -> PyErr {
     match error {
-        windswept_export::ExportError::Gpu(error) => of_gpu(error),
+        windswept_export::ExportError::Gpu(error) => gpu_error(error),
         windswept_export::ExportError::Run(error) => of_run(error),
         error => ExportError::new_err(error.to_string()),
     }

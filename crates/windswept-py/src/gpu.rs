@@ -8,7 +8,7 @@ use std::{
 use pyo3::prelude::*;
 use windswept::{AdapterChoice, Gpu};
 
-use crate::{errors::of_gpu, outside};
+use crate::{errors::gpu_error, without_gil};
 
 /// Devices by process and by what was asked for. A forked process must not use its parent's.
 type Devices = HashMap<(u32, String), Gpu>;
@@ -21,7 +21,7 @@ pub(crate) fn device(py: Python<'_>, adapter: Option<&str>) -> PyResult<Gpu> {
 
 /// The device of the adapter that is chosen.
 pub(crate) fn device_of(py: Python<'_>, choice: &AdapterChoice) -> PyResult<Gpu> {
-    let made = outside(py, || {
+    let made = without_gil(py, || {
         let mut devices = DEVICES.lock().unwrap_or_else(PoisonError::into_inner);
         let devices = devices.get_or_insert_default();
         let key = (std::process::id(), choice.to_string());
@@ -35,7 +35,7 @@ pub(crate) fn device_of(py: Python<'_>, choice: &AdapterChoice) -> PyResult<Gpu>
         devices.insert(key, gpu.clone());
         Ok(gpu)
     })?;
-    made.map_err(|error| of_gpu(&error))
+    made.map_err(|error| gpu_error(&error))
 }
 
 /// A lost device is not handed out again.

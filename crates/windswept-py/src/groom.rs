@@ -8,9 +8,9 @@ use windswept_scene::{End, Fibre, GroomFile, PerStrand, RestCurvature, RestShape
 
 use crate::{
     arrays::{Numbers, chunks, shown, strand_ids, values, whole},
-    errors::{of_scene, of_value},
-    outside,
+    errors::{of_value, scene_error},
     warn::warn,
+    without_gil,
 };
 
 const VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -110,7 +110,7 @@ impl Groom {
         ] {
             if let Some(value) = value {
                 let values = scalars(name, value)?;
-                groom.fibre.set(strands, name, &values, set).map_err(|error| of_scene(py, &error))?;
+                groom.fibre.set(strands, name, &values, set).map_err(|error| scene_error(py, &error))?;
             }
         }
         groom.guides = guides.map(|value| flags("guides", value)).transpose()?.unwrap_or_default();
@@ -130,7 +130,7 @@ impl Groom {
         }
         groom.rest = rest.map_or(Ok(RestShape::Weightless), rest_shape)?;
         groom.rest_curvature = rest_curvature.map(|value| curvature(value, &groom)).transpose()?;
-        groom.check().map_err(|error| of_scene(py, &error))?;
+        groom.check().map_err(|error| scene_error(py, &error))?;
         Ok(Self { inner: groom })
     }
 
@@ -192,13 +192,13 @@ impl Groom {
             points: count("points", points)?,
             ..GroomFile::new(path.to_string_lossy())
         };
-        let (mut inner, notes) = outside(py, || file.groom(drawn_by))?.map_err(|error| of_scene(py, &error))?;
+        let (mut inner, notes) = without_gil(py, || file.groom(drawn_by))?.map_err(|error| scene_error(py, &error))?;
         if let Some(radius) = radius {
             let values = scalars("radius", radius)?;
             let set = |fibre: &mut Fibre, x| fibre.radius = x;
-            inner.fibre.set(inner.len(), "radius", &values, set).map_err(|error| of_scene(py, &error))?;
+            inner.fibre.set(inner.len(), "radius", &values, set).map_err(|error| scene_error(py, &error))?;
         }
-        inner.check().map_err(|error| of_scene(py, &error))?;
+        inner.check().map_err(|error| scene_error(py, &error))?;
         warn(py, notes)?;
         Ok(Self { inner })
     }
@@ -211,8 +211,8 @@ impl Groom {
     /// Raises:
     ///     SceneError: a format that cannot hold the strands; a file that cannot be written.
     fn save(&self, py: Python<'_>, path: PathBuf) -> PyResult<()> {
-        let saved = outside(py, || self.inner.curves().and_then(|curves| curves.save(&path)))?;
-        warn(py, saved.map_err(|error| of_scene(py, &error))?)
+        let saved = without_gil(py, || self.inner.curves().and_then(|curves| curves.save(&path)))?;
+        warn(py, saved.map_err(|error| scene_error(py, &error))?)
     }
 
     /// Points of all strands, strand by strand, root to tip: `(points, 3)` float64 [m].
@@ -248,7 +248,7 @@ impl Groom {
             return Err(refused(format!("expected one of windswept {VERSION}, found one of {version}")));
         }
         let inner: windswept_scene::Groom = postcard::from_bytes(&bytes).map_err(|e| refused(e.to_string()))?;
-        inner.check().map_err(|error| of_scene(py, &error))?;
+        inner.check().map_err(|error| scene_error(py, &error))?;
         Ok(Self { inner })
     }
 

@@ -8,7 +8,7 @@
 //! `air.vorticity` goes the same way; `air.density_ratio` and `air.band_energy` are copied twice, and `render` copies a
 //! picture's rows once to take their padding out.
 //!
-//! The engine runs with the interpreter released, and no panic reaches Python: `outside`.
+//! The engine runs with the interpreter released, and no panic reaches Python: `without_gil`.
 
 mod arrays;
 mod errors;
@@ -37,7 +37,7 @@ use pyo3::{
 };
 
 /// Runs `work` with the interpreter released. A panic is a defect of ours, and becomes an error.
-fn outside<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
+fn without_gil<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult<T> {
     py.detach(|| catch_unwind(AssertUnwindSafe(work))).map_err(|panic| {
         let words = panic.downcast_ref::<String>().map(String::as_str);
         let words = words.or(panic.downcast_ref::<&str>().copied()).unwrap_or("no words");
@@ -52,7 +52,7 @@ fn outside<T: Send>(py: Python<'_>, work: impl FnOnce() -> T + Send) -> PyResult
 ///     "other". Empty without a driver.
 #[pyfunction]
 fn adapters(py: Python<'_>) -> PyResult<Bound<'_, PyList>> {
-    let found = outside(py, windswept::adapters)?;
+    let found = without_gil(py, windswept::adapters)?;
     let rows = found.into_iter().map(|adapter| {
         let row = PyDict::new(py);
         row.set_item("name", adapter.name)?;
@@ -67,7 +67,7 @@ fn adapters(py: Python<'_>) -> PyResult<Bound<'_, PyList>> {
 /// The `windswept` command with these arguments, the program's name first; returns its exit status.
 #[pyfunction]
 fn command(py: Python<'_>, arguments: Vec<OsString>) -> PyResult<u8> {
-    outside(py, || windswept_cli::status(arguments))
+    without_gil(py, || windswept_cli::status(arguments))
 }
 
 #[pymodule]

@@ -9,8 +9,8 @@ use windswept_scene::Scene;
 
 use crate::{
     arrays::{Numbers, rows, values, whole},
-    errors::{of_export, of_scene, of_value},
-    outside,
+    errors::{export_error, of_value, scene_error},
+    without_gil,
 };
 
 /// Gravity where nothing says another.
@@ -31,14 +31,15 @@ fn _measure_file(
     end: Option<f64>,
 ) -> PyResult<String> {
     let is_run = path.is_dir();
-    let scene = if is_run { Some(Scene::load(path.join(SCENE)).map_err(|error| of_scene(py, &error))?) } else { None };
+    let scene =
+        if is_run { Some(Scene::load(path.join(SCENE)).map_err(|error| scene_error(py, &error))?) } else { None };
     let film = if is_run { path.join(Kind::Hair.file_name()) } else { path };
     let down = scene.as_ref().map_or(DOWN, |scene| scene.gravity);
     let options = MeasureOptions { from: start, to: end, gravity: gravity.unwrap_or(down) };
     let air = scene.and_then(|scene| scene.air);
     let blows = |time| wind.or(air.as_ref().map(|air| air.wind_at(time))).unwrap_or_default();
-    let measured = outside(py, || measure_film(&film, &options, blows))?;
-    text(measured.map_err(|error| of_export(&error))?)
+    let measured = without_gil(py, || measure_film(&film, &options, blows))?;
+    text(measured.map_err(|error| export_error(&error))?)
 }
 
 #[pyfunction]
@@ -62,9 +63,10 @@ fn _measure_frames(
         let offsets = whole("offsets", &values("offsets", &hair.getattr("offsets")?, Numbers::Whole)?.0)?;
         let (positions, velocities) = (vectors("positions")?, vectors("velocities")?);
         let hair = HairFrame { positions, velocities, offsets, ..HairFrame::default() };
-        outside(py, || measure.add(time, &hair, wind.unwrap_or_default()))?.map_err(|error| of_export(&error))?;
+        without_gil(py, || measure.add(time, &hair, wind.unwrap_or_default()))?
+            .map_err(|error| export_error(&error))?;
     }
-    text(outside(py, || measure.finish())?.map_err(|error| of_export(&error))?)
+    text(without_gil(py, || measure.finish())?.map_err(|error| export_error(&error))?)
 }
 
 fn text(measured: Measurement) -> PyResult<String> {

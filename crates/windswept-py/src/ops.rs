@@ -8,13 +8,13 @@ use windswept::{
 };
 use windswept_scene::{
     Air, Fluid, Turbulence,
-    limits::{MAGNITUDES, MOST_REPEATS},
+    limits::{MAGNITUDES, MAX_REPEATS},
 };
 
 use crate::{
     arrays::{matrix, rows, triple},
-    errors::{of_ops, of_value},
-    gpu, outside,
+    errors::{of_value, ops_error},
+    gpu, without_gil,
 };
 
 /// Kernel radius over particle spacing, where no argument says it: as in a scene of defaults.
@@ -33,7 +33,7 @@ pub(crate) fn add(m: &Bound<'_, PyModule>) -> PyResult<()> {
 /// Runs an operation on the default adapter.
 fn run<T: Send>(py: Python<'_>, work: impl FnOnce(&Gpu) -> Result<T, OpsError> + Send) -> PyResult<T> {
     let gpu = gpu::device(py, None)?;
-    outside(py, || work(&gpu))?.map_err(|error| of_ops(py, &error))
+    without_gil(py, || work(&gpu))?.map_err(|error| ops_error(py, &error))
 }
 
 fn sides(value: Option<&Bound<'_, PyAny>>) -> PyResult<Option<[f64; 3]>> {
@@ -161,7 +161,7 @@ fn ops_solve_density<'py>(
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let (positions, bounds) = (rows("positions", positions)?, sides(r#box)?);
     let words =
-        || of_value("iterations", format!("expected a whole number from 0 to {MOST_REPEATS}, found {iterations}"));
+        || of_value("iterations", format!("expected a whole number from 0 to {MAX_REPEATS}, found {iterations}"));
     let fluid = Fluid::pbf(u32::try_from(iterations).map_err(|_| words())?, relaxation);
     let moved = run(py, |gpu| {
         Particles { mass, rest_density, radius, bounds, ..Particles::at(&positions) }.solve_density(gpu, fluid)

@@ -8,8 +8,8 @@ use windswept_export::image::{self, ImageError, RgbaImage};
 
 use crate::{
     arrays::shown,
-    errors::{ExportError, of_export, of_value},
-    outside,
+    errors::{ExportError, export_error, of_value},
+    without_gil,
 };
 
 pub(crate) fn add(m: &Bound<'_, PyModule>) -> PyResult<()> {
@@ -36,7 +36,7 @@ fn write_png(py: Python<'_>, path: PathBuf, picture: &Bound<'_, PyAny>) -> PyRes
     let pixels = array.try_readonly().map_err(|e| of_value("picture", e))?.as_slice()?.to_vec();
     let picture = side(width).zip(side(height)).and_then(|(width, height)| RgbaImage::from_raw(width, height, pixels));
     let picture = picture.ok_or_else(|| of_value("picture", format!("has no pixels: {}", shown(&shape))))?;
-    outside(py, || windswept_export::write_png(&path, &picture))?.map_err(|error| of_export(&error))
+    without_gil(py, || windswept_export::write_png(&path, &picture))?.map_err(|error| export_error(&error))
 }
 
 /// Puts pictures of one size side by side into one, in rows of up to four.
@@ -49,16 +49,16 @@ fn write_png(py: Python<'_>, path: PathBuf, picture: &Bound<'_, PyAny>) -> PyRes
 ///     ExportError: one cannot be read, their sizes differ, they have more than 134 million pixels in all, the sheet cannot be written.
 #[pyfunction]
 fn contact_sheet(py: Python<'_>, pictures: Vec<PathBuf>, path: PathBuf) -> PyResult<()> {
-    outside(py, || {
+    without_gil(py, || {
         let unread = |file: &PathBuf, error: ImageError| {
             ExportError::new_err(format!("{}: could not be read: {error}", file.display()))
         };
         let size = |file: &PathBuf| image::image_dimensions(file).map_err(|e| unread(file, e));
         let sizes = pictures.iter().map(size).collect::<PyResult<Vec<_>>>()?;
-        windswept_export::check_sheet(&sizes).map_err(|error| of_export(&error))?;
+        windswept_export::check_sheet(&sizes).map_err(|error| export_error(&error))?;
         let read = |file: &PathBuf| Ok(image::open(file).map_err(|e| unread(file, e))?.to_rgba8());
         let pictures = pictures.iter().map(read).collect::<PyResult<Vec<_>>>()?;
-        let sheet = windswept_export::contact_sheet(&pictures).map_err(|error| of_export(&error))?;
-        windswept_export::write_png(&path, &sheet).map_err(|error| of_export(&error))
+        let sheet = windswept_export::contact_sheet(&pictures).map_err(|error| export_error(&error))?;
+        windswept_export::write_png(&path, &sheet).map_err(|error| export_error(&error))
     })?
 }

@@ -9,7 +9,7 @@ use pyo3::{
 
 use windswept_scene::HairSource;
 
-use crate::{errors::of_scene, outside, toml};
+use crate::{errors::scene_error, toml, without_gil};
 
 /// A checked scene: what to simulate, in SI. Made by `Scene.load` and `Scene.parse`, changed by `replace`.
 ///
@@ -22,7 +22,7 @@ pub(crate) struct Scene {
 
 impl Scene {
     fn of(py: Python<'_>, made: Result<windswept_scene::Scene, windswept_scene::SceneError>) -> PyResult<Self> {
-        made.map(|inner| Self { inner }).map_err(|error| of_scene(py, &error))
+        made.map(|inner| Self { inner }).map_err(|error| scene_error(py, &error))
     }
 }
 
@@ -34,7 +34,7 @@ impl Scene {
     ///     SceneError: names file, line and key, says what was expected and suggests the nearest key.
     #[staticmethod]
     fn load(py: Python<'_>, path: PathBuf) -> PyResult<Self> {
-        let made = outside(py, || windswept_scene::Scene::load(&path))?;
+        let made = without_gil(py, || windswept_scene::Scene::load(&path))?;
         Self::of(py, made)
     }
 
@@ -44,7 +44,7 @@ impl Scene {
     ///     SceneError: as `load`.
     #[staticmethod]
     fn parse(py: Python<'_>, text: &str) -> PyResult<Self> {
-        let made = outside(py, || windswept_scene::Scene::parse(text))?;
+        let made = without_gil(py, || windswept_scene::Scene::parse(text))?;
         Self::of(py, made)
     }
 
@@ -61,7 +61,7 @@ impl Scene {
             let key: String = key.extract()?;
             sets.push(format!("{key}={}", toml::value(&key, &value)?));
         }
-        let made = outside(py, || windswept_scene::Scene::parse_with("scene", self.inner.text(), &sets))?;
+        let made = without_gil(py, || windswept_scene::Scene::parse_with("scene", self.inner.text(), &sets))?;
         Self::of(py, made)
     }
 

@@ -21,14 +21,14 @@ use windswept_export::Renderer;
 use self::{held::lock, shown::side};
 use crate::{
     arrays::{Numbers, is_false, maybe_rows, quaternions, rows, shown, triple, values, vectors, whole},
-    errors::{of_checkpoint, of_export, of_run, of_start, of_value},
+    errors::{export_error, of_checkpoint, of_run, of_start, of_value},
     frames::{Frame, Frames},
     gpu,
     groom::Groom,
-    outside,
     scene::Scene,
     views::{Air, Followers, Hair, Snapshot},
     warn::warn,
+    without_gil,
 };
 
 /// Hair and air of one scene on a GPU.
@@ -85,10 +85,10 @@ impl Simulation {
     /// The simulation of a checkpoint that was read.
     fn go_on(py: Python<'_>, read: Result<Checkpoint, CheckpointError>, adapter: Option<&str>) -> PyResult<Self> {
         let checkpoint = read.map_err(|error| of_checkpoint(py, &error))?;
-        let choice = outside(py, || checkpoint.choice(adapter))?;
+        let choice = without_gil(py, || checkpoint.choice(adapter))?;
         let gpu = gpu::device_of(py, &choice)?;
         warn(py, checkpoint.differs(&gpu))?;
-        let started = outside(py, || checkpoint.start(&gpu))?;
+        let started = without_gil(py, || checkpoint.start(&gpu))?;
         Ok(Self::of(started.map_err(|error| of_checkpoint(py, &error))?))
     }
 }
@@ -99,7 +99,7 @@ impl Simulation {
     #[pyo3(signature = (scene, groom=None, adapter=None))]
     fn new(py: Python<'_>, scene: &Scene, groom: Option<&Groom>, adapter: Option<&str>) -> PyResult<Self> {
         let gpu = gpu::device(py, adapter)?;
-        let made = outside(py, || match groom {
+        let made = without_gil(py, || match groom {
             Some(groom) => windswept::Simulation::with_groom(&gpu, &scene.inner, &groom.inner),
             None => windswept::Simulation::new(&gpu, &scene.inner),
         })?;
@@ -217,11 +217,11 @@ impl Simulation {
     ///     ExportError: a groom file that cannot be read any more.
     #[getter]
     fn followers(&self, py: Python<'_>) -> PyResult<Followers> {
-        let (followers, hair) = outside(py, || {
+        let (followers, hair) = without_gil(py, || {
             let engine = lock(&self.engine);
             let followers = self.following(&engine)?;
             let frame = engine.frame().map_err(|error| of_run(&error))?;
-            let hair = followers.of(&frame.hair, frame.time).map_err(|error| of_export(&error))?;
+            let hair = followers.of(&frame.hair, frame.time).map_err(|error| export_error(&error))?;
             Ok::<_, PyErr>((followers, hair))
         })??;
         Followers::new(py, &followers, hair)
@@ -460,11 +460,11 @@ impl Simulation {
         height: Option<i64>,
     ) -> PyResult<Bound<'py, PyArray3<u8>>> {
         let size = (side("width", width)?, side("height", height)?);
-        let drawn = outside(py, || {
+        let drawn = without_gil(py, || {
             let mut engine = lock(&self.engine);
             let frame = windswept_export::frame(&mut engine).map_err(|error| of_run(&error))?;
             let renderer = self.renderer(&engine, size)?;
-            renderer.render(&frame).map_err(|error| of_export(&error))
+            renderer.render(&frame).map_err(|error| export_error(&error))
         })??;
         let (width, height) = (drawn.width() as usize, drawn.height() as usize);
         PyArray1::from_vec(py, drawn.into_raw()).reshape([height, width, 4])
@@ -497,14 +497,14 @@ impl Simulation {
     #[staticmethod]
     #[pyo3(signature = (path, adapter=None))]
     fn load(py: Python<'_>, path: PathBuf, adapter: Option<&str>) -> PyResult<Self> {
-        let opened = outside(py, || Checkpoint::open(&path))?;
+        let opened = without_gil(py, || Checkpoint::open(&path))?;
         Self::go_on(py, opened, adapter)
     }
 
     /// What `pickle` makes a simulation of again.
     #[staticmethod]
     fn _unpickled(py: Python<'_>, bytes: Vec<u8>) -> PyResult<Self> {
-        let read = outside(py, || Checkpoint::from_bytes(&bytes, "the pickled simulation"))?;
+        let read = without_gil(py, || Checkpoint::from_bytes(&bytes, "the pickled simulation"))?;
         Self::go_on(py, read, None)
     }
 

@@ -15,9 +15,9 @@ use windswept_export::{
 use windswept_scene::AtomicFile;
 
 use crate::{
-    errors::{ExportError, of_export, of_run, of_value},
-    outside,
+    errors::{ExportError, export_error, of_run, of_value},
     simulation::Simulation,
+    without_gil,
 };
 
 /// Frames that a file has room for where the scene's duration has fewer: room that is not used takes none on the disk.
@@ -108,15 +108,15 @@ impl Writer {
             let made = std::fs::create_dir_all(&folder);
             made.map_err(|e| ExportError::new_err(format!("{}: could not be made: {e}", folder.display())))?;
             let room = room(sim, frames)?;
-            let lock = Folder(&folder).lock().map_err(|error| of_export(&error))?;
+            let lock = Folder(&folder).lock().map_err(|error| export_error(&error))?;
             let files = files_with_made();
-            Folder(&folder).check(&files).map_err(|error| of_export(&error))?;
+            Folder(&folder).check(&files).map_err(|error| export_error(&error))?;
             if let Some(earlier) = Folder(&folder).own(&files).into_iter().find(|path| path.exists() && !overwrite) {
                 let words = "is of an earlier run; overwrite=True replaces all that it left";
                 return Err(ExportError::new_err(format!("{}: {words}", earlier.display())));
             }
-            let recording = Recording::new(&formats, sim, &folder, room).map_err(|error| of_export(&error))?;
-            Folder(&folder).clear(&files).map_err(|error| of_export(&error))?;
+            let recording = Recording::new(&formats, sim, &folder, room).map_err(|error| export_error(&error))?;
+            Folder(&folder).clear(&files).map_err(|error| export_error(&error))?;
             let scene = folder.join(SCENE);
             let written = AtomicFile::write(&scene, sim.scene().text_in(&folder).as_bytes());
             written.map_err(|e| ExportError::new_err(format!("{}: could not be written: {e}", scene.display())))?;
@@ -133,19 +133,20 @@ impl Writer {
     ///     ValueError: the writer is closed.
     fn append(&self, py: Python<'_>, sim: &Simulation) -> PyResult<()> {
         let lost = sim.engine(py, |sim| match &mut *lock(&self.recording) {
-            Some((recording, _)) => recording.append(sim).map_err(|error| of_export(&error)),
+            Some((recording, _)) => recording.append(sim).map_err(|error| export_error(&error)),
             None => Err(closed()),
         })??;
-        lost.first().map_or(Ok(()), |loss| Err(of_export(&loss.error)))
+        lost.first().map_or(Ok(()), |loss| Err(export_error(&loss.error)))
     }
 
     /// Ends the files.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
-        let lost = outside(py, || {
+        let lost = without_gil(py, || {
             let recording = lock(&self.recording).take();
-            recording.map_or(Ok(Vec::new()), |(recording, _lock)| recording.finish().map_err(|error| of_export(&error)))
+            recording
+                .map_or(Ok(Vec::new()), |(recording, _lock)| recording.finish().map_err(|error| export_error(&error)))
         })??;
-        lost.first().map_or(Ok(()), |loss| Err(of_export(&loss.error)))
+        lost.first().map_or(Ok(()), |loss| Err(export_error(&loss.error)))
     }
 
     fn __enter__(slf: Py<Self>) -> Py<Self> {
@@ -204,7 +205,7 @@ impl VtkHdfWriter {
             let adapter = sim.engine().gpu().info().to_string();
             let provenance = Provenance::of(sim.scene(), &adapter);
             windswept_export::VtkHdfWriter::create(&path, kind, &frame, room, &provenance)
-                .map_err(|error| of_export(&error))
+                .map_err(|error| export_error(&error))
         })??;
         Ok(Self { path, kind, writer: Mutex::new(Some(writer)) })
     }
@@ -216,17 +217,17 @@ impl VtkHdfWriter {
     ///     ValueError: the writer is closed.
     fn append(&self, py: Python<'_>, sim: &Simulation) -> PyResult<()> {
         let frame = sim.run_engine(py, windswept_export::frame)?;
-        outside(py, || match &mut *lock(&self.writer) {
-            Some(writer) => writer.append(&frame).map_err(|error| of_export(&error)),
+        without_gil(py, || match &mut *lock(&self.writer) {
+            Some(writer) => writer.append(&frame).map_err(|error| export_error(&error)),
             None => Err(closed()),
         })?
     }
 
     /// Closes the file.
     fn close(&self, py: Python<'_>) -> PyResult<()> {
-        outside(py, || {
+        without_gil(py, || {
             let writer = lock(&self.writer).take();
-            writer.map_or(Ok(()), |writer| writer.finish().map_err(|error| of_export(&error)))
+            writer.map_or(Ok(()), |writer| writer.finish().map_err(|error| export_error(&error)))
         })?
     }
 

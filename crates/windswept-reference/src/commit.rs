@@ -12,13 +12,13 @@ use crate::{Parameters, State, contact, fluid::Pressed, forcing::wrap, rods, ste
 /// [`Frozen`] says why nothing was committed.
 pub fn run(s: &mut State, mut w: Scratch, p: &Parameters) -> Result<(), Frozen> {
     for strand in 0..s.hair.len() {
-        if hold(s, strand, &mut w) && !s.bad[strand] {
-            s.bad[strand] = true;
+        if hold(s, strand, &mut w) && !s.failed[strand] {
+            s.failed[strand] = true;
             s.resets += 1;
         }
     }
-    let bad = s.bad.iter().filter(|bad| **bad).count();
-    check(p, w.spoilt + bad, &w.predicted, &w.new_velocity)?;
+    let bad = s.failed.iter().filter(|bad| **bad).count();
+    check(p, w.invalid + bad, &w.predicted, &w.new_velocity)?;
     commit(p, s, w);
     Ok(())
 }
@@ -28,7 +28,7 @@ pub const FAST: f64 = 1e6;
 
 /// Number of strands that may become non-finite in one step: 3, or 1 % of them if that is more.
 #[must_use]
-pub fn bad_strand_limit(strands: usize) -> usize {
+pub fn failed_strand_limit(strands: usize) -> usize {
     (strands / 100).max(3)
 }
 
@@ -38,7 +38,7 @@ pub enum Frozen {
     /// Index of the first air particle that became non-finite.
     NonFiniteAir(usize),
     /// Number of strands that became non-finite.
-    BadStrands(usize),
+    FailedStrands(usize),
 }
 
 /// Holds a strand where it was, at rest, if it has a position that is not finite or a velocity beyond [`FAST`]; says whether it was one.
@@ -65,10 +65,10 @@ fn is_sound(position: DVec3, velocity: DVec3) -> bool {
 /// Checks whether what a step arrived at, in which `bad` strands were not finite, may become the state.
 ///
 /// # Errors
-/// [`Frozen`] when an air particle is not finite or faster than [`FAST`], or when more than [`bad_strand_limit`] strands are not finite.
+/// [`Frozen`] when an air particle is not finite or faster than [`FAST`], or when more than [`failed_strand_limit`] strands are not finite.
 pub fn check(p: &Parameters, bad: usize, positions: &[DVec3], velocities: &[DVec3]) -> Result<(), Frozen> {
-    if bad > bad_strand_limit(p.rest.len()) {
-        return Err(Frozen::BadStrands(bad));
+    if bad > failed_strand_limit(p.rest.len()) {
+        return Err(Frozen::FailedStrands(bad));
     }
     match (p.hair_points..positions.len()).find(|i| !is_sound(positions[*i], velocities[*i])) {
         Some(i) => Err(Frozen::NonFiniteAir(i - p.hair_points)),
@@ -89,7 +89,7 @@ pub fn commit(p: &Parameters, s: &mut State, w: Scratch) {
             rods::rotation_vector(if p.direct { segment.turn } else { segment.frame * segment.start.conjugate() })
         };
         s.angular_velocity_before[k] = if anew { DVec3::ZERO } else { segment.angular_velocity };
-        s.angular_velocity[k] = rods::rate(p, turn, segment.carried, segment.step);
+        s.angular_velocity[k] = rods::rate(p, turn, segment.previous_move, segment.step);
         s.turn[k] = turn;
         // A frame also turns where its strand is made whole as the step begins.
         s.segment_rest_drift[k] =
@@ -100,28 +100,28 @@ pub fn commit(p: &Parameters, s: &mut State, w: Scratch) {
         let last = w.new_velocity[i];
         let anew = point.step.is_infinite();
         s.rest_drift[i] = point.rest_drift + w.predicted[i] - s.position[i];
-        s.travel[i] = if anew { p.step * last } else { point.travel };
-        let forgets = anew && !s.asleep[p.strand_of[i]];
+        s.displacement[i] = if anew { p.step * last } else { point.displacement };
+        let forgets = anew && !s.sleeping[p.strand_of[i]];
         s.velocity_before[i] = if forgets { last } else { point.before + last - w.rod_velocity[i] };
     }
     if p.model != Model::Particles {
-        for strand in (0..s.hair.len()).filter(|&strand| !s.asleep[strand]) {
+        for strand in (0..s.hair.len()).filter(|&strand| !s.sleeping[strand]) {
             for i in s.hair.points(strand) {
                 let point = &w.moving.points[i];
-                s.outside[i] = point.outside;
+                s.external_dv[i] = point.external_dv;
                 s.own[i] = if point.step.is_infinite() { DVec3::ZERO } else { w.rod_velocity[i] - point.before };
             }
         }
     }
     s.tip_force = w.drives.iter().map(|drive| drive.tip_force).collect();
     for (clamp, drive) in s.clamps.iter_mut().zip(&w.drives) {
-        *clamp = (clamp.0 + drive.root_travel, drive.root_frame);
+        *clamp = (clamp.0 + drive.root_displacement, drive.root_frame);
     }
     s.grip = w.grip;
     s.pressed = w.pressed;
     for (i, point) in w.moving.points.iter().enumerate() {
         let strand = p.strand_of[i];
-        if s.bad[strand] || point.step.is_infinite() && !s.asleep[strand] {
+        if s.failed[strand] || point.step.is_infinite() && !s.sleeping[strand] {
             s.pressed[i] = Pressed::default();
         }
     }

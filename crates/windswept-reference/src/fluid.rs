@@ -14,7 +14,7 @@ pub use self::{
         Solid, coarse_deposit, coarse_gather, coarse_impulse, coarse_mean, coarse_push, coarse_solid, coarse_solve,
         coarse_waves, source,
     },
-    friction::{Rub, STIFFNESS, friction, slip, squeeze},
+    friction::{FrictionPoint, STIFFNESS, friction, normal_impulse, slip},
     pressure::{
         LASTING, Moments, Pressed, THIN, begin, deform, divergence, eddies, give_bodies, moments, path, push, relax,
         relaxations, spread, start,
@@ -50,11 +50,12 @@ pub fn run(s: &State, w: &mut Scratch, p: &Parameters) {
         pressure::run(s, w, p);
     }
     let multiplier = constrain(s, w, p, constrained);
-    if p.rubs() {
-        let rubs: Vec<_> = (0..p.hair_points).map(|i| slip(p, s, i, w.correction[i], multiplier[i])).collect();
-        let squeezed = squeeze(p, &w.predicted, &s.inverse_mass, &s.volume, &rubs, &w.near);
+    if p.has_friction() {
+        let points: Vec<_> = (0..p.hair_points).map(|i| slip(p, s, i, w.correction[i], multiplier[i])).collect();
+        let normal_impulses = normal_impulse(p, &w.predicted, &s.inverse_mass, &s.volume, &points, &w.near);
         let change;
-        (change, w.grip) = friction(p, &w.predicted, &s.grip, &s.inverse_mass, &s.volume, &rubs, &squeezed, &w.near);
+        (change, w.grip) =
+            friction(p, &w.predicted, &s.grip, &s.inverse_mass, &s.volume, &points, &normal_impulses, &w.near);
         for (i, change) in change.into_iter().enumerate() {
             w.predicted[i] += p.step * change;
             w.correction[i] += p.step * change;
@@ -79,8 +80,8 @@ fn constrain(s: &State, w: &mut Scratch, p: &Parameters, count: usize) -> Vec<f6
         if iteration < p.fluid_iterations {
             let shift = correct(p, x, &s.inverse_mass, &s.volume, &w.near, &lambda);
             let felt = felt(p, &density, &lambda);
-            let felt_shift = correct(p, x, &s.inverse_mass, &s.volume, &w.near, &felt);
-            for (i, (shift, felt)) in shift.into_iter().zip(felt_shift).enumerate() {
+            let velocity_shift = correct(p, x, &s.inverse_mass, &s.volume, &w.near, &felt);
+            for (i, (shift, felt)) in shift.into_iter().zip(velocity_shift).enumerate() {
                 w.predicted[i] += shift;
                 w.correction[i] += felt;
             }

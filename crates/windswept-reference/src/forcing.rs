@@ -9,9 +9,9 @@ use glam::{DQuat, DVec3};
 use windswept_scene::{FluidSolver, InflowWave, Model};
 
 pub(crate) use self::fields::fields;
-pub use self::fields::{Field, drive_air, field_strengths, gale};
+pub use self::fields::{Field, drive_air, field_strengths, force_field_velocity};
 pub(crate) use self::reset::FAR;
-pub use self::reset::{inspect, mend, reset};
+pub use self::reset::{inspect, recover, reset};
 use crate::{
     Parameters, State, contact, fluid,
     rods::{self, Drive, rotation, rotation_vector},
@@ -29,10 +29,10 @@ pub fn run(s: &State, p: &Parameters) -> Scratch {
         *place = hair_drift(p, s, i);
     }
     let air = p.hair_points..s.position.len();
-    let missed = fringe_deficit(p, s.steps, &s.position[air.clone()], &s.velocity[air.clone()]);
-    let lack = hold(p, s.steps, missed);
+    let fringe_deficit = fringe_deficit(p, s.steps, &s.position[air.clone()], &s.velocity[air.clone()]);
+    let wind_deficit = hold(p, s.steps, fringe_deficit);
     let added = |i: usize| {
-        let wind = fringe(p, s.steps, lack, s.position[i], s.velocity[i]);
+        let wind = fringe(p, s.steps, wind_deficit, s.position[i], s.velocity[i]);
         wind + drive_air(p, s.steps, s.position[i], s.velocity[i] + wind) + push_air(p, s, i)
     };
     let wind_change: Vec<_> = air.clone().map(added).collect();
@@ -47,8 +47,17 @@ pub fn run(s: &State, p: &Parameters) -> Scratch {
         new_velocity[..p.hair_points].iter_mut().enumerate().for_each(|(i, v)| *v = extrapolate(p, s, i));
     }
     let moving = rods::Moving { bodies: contact::place(p, s.steps), ..rods::Moving::default() };
-    let mut w =
-        Scratch { blowing, drives, missed, lack, wind_change, predicted, new_velocity, moving, ..Scratch::default() };
+    let mut w = Scratch {
+        blowing,
+        drives,
+        fringe_deficit,
+        wind_deficit,
+        wind_change,
+        predicted,
+        new_velocity,
+        moving,
+        ..Scratch::default()
+    };
     fluid::walls(&mut w, p);
     w
 }
@@ -80,13 +89,13 @@ pub fn roots(p: &Parameters, s: &State, strand: usize) -> Drive {
     let jumps = free(points.end - 1) && way.length() > length;
     let part = if jumps { 1.0 } else { 1.0 / left as f64 };
     let tip_way = if free(points.end - 1) { DVec3::ZERO } else { tip_goal - s.position[points.end - 1] };
-    let (tip_force, tip_travel) = (s.tip_force[strand], part * tip_way);
+    let (tip_force, tip_displacement) = (s.tip_force[strand], part * tip_way);
     // The first step has no change of velocity to carry on.
     let step = if p.bdf2 && s.bdf2_ready[strand] { p.step * 2.0 / 3.0 } else { p.step };
     if held == goal && tip_way == DVec3::ZERO {
-        let state = if p.sleep { rods::State::Asleep } else { rods::State::Free };
+        let state = if p.sleep { rods::State::Sleeping } else { rods::State::Free };
         return Drive {
-            root_travel: DVec3::ZERO,
+            root_displacement: DVec3::ZERO,
             root_frame: held.1,
             root_turn: DQuat::IDENTITY,
             state,
@@ -98,14 +107,14 @@ pub fn roots(p: &Parameters, s: &State, strand: usize) -> Drive {
     }
     let root_turn = rotation(part * rotation_vector(goal.1 * held.1.conjugate()));
     Drive {
-        root_travel: part * way,
+        root_displacement: part * way,
         root_turn,
         // The frame is the target's to the bit where the clamp arrives: one that was off by rounding would never rest.
         root_frame: if part == 1.0 { goal.1 } else { (root_turn * held.1).normalize() },
         state: if jumps { rods::State::Teleported } else { rods::State::Free },
         step,
         tip_force,
-        tip_travel,
+        tip_displacement,
         tip_frame,
         ..Drive::default()
     }
@@ -128,7 +137,7 @@ pub fn hair_drift(p: &Parameters, s: &State, i: usize) -> DVec3 {
 #[must_use]
 pub fn extrapolate(p: &Parameters, s: &State, i: usize) -> DVec3 {
     let strand = p.strand_of[i];
-    let carries = p.bdf2 && !s.asleep[strand] && s.bdf2_ready[strand] && s.inverse_mass[i] > 0.0;
+    let carries = p.bdf2 && !s.sleeping[strand] && s.bdf2_ready[strand] && s.inverse_mass[i] > 0.0;
     let change = if carries { s.velocity[i] - s.velocity_before[i] } else { DVec3::ZERO };
     s.velocity[i] + change / 3.0
 }
@@ -226,9 +235,9 @@ pub fn fringe_deficit(p: &Parameters, steps: u64, positions: &[DVec3], velocitie
 
 /// What all air lacks of the wind of step number `steps` \[m/s\]: what the fringe misses, along the wind.
 #[must_use]
-pub fn hold(p: &Parameters, steps: u64, missed: DVec3) -> DVec3 {
+pub fn hold(p: &Parameters, steps: u64, fringe_deficit: DVec3) -> DVec3 {
     let wind = mean_wind(p, steps + 1);
-    if wind.length() > 0.0 { missed.project_onto(wind) } else { DVec3::ZERO }
+    if wind.length() > 0.0 { fringe_deficit.project_onto(wind) } else { DVec3::ZERO }
 }
 
 /// Change that the wind makes in step number `steps` to air at `position` that moves with `velocity` \[m/s\].
@@ -236,8 +245,8 @@ pub fn hold(p: &Parameters, steps: u64, missed: DVec3) -> DVec3 {
 /// The mean wind's change and the lack are added first, then v += (1 − e^{−σΔt})(U + u' − v), with u' the turbulence that the wind
 /// brings in and σ the rate of the fringe.
 #[must_use]
-pub fn fringe(p: &Parameters, steps: u64, lack: DVec3, position: DVec3, velocity: DVec3) -> DVec3 {
-    let change = mean_wind(p, steps + 1) - mean_wind(p, steps) + lack;
+pub fn fringe(p: &Parameters, steps: u64, wind_deficit: DVec3, position: DVec3, velocity: DVec3) -> DVec3 {
+    let change = mean_wind(p, steps + 1) - mean_wind(p, steps) + wind_deficit;
     let left = (-rate(p, steps, position) * p.step).exp();
     if left < 1.0 { change + (1.0 - left) * (brought(p, steps, position) - velocity - change) } else { change }
 }

@@ -21,7 +21,7 @@ pub use self::{
     integrate::{damping, free_move, rate, response, rotation, rotation_vector, turned},
     predict::predict,
     solve::{RELATIVE, SETTLED, TURN, WHOLE, potential, solve},
-    update::{measure, remember, still, update},
+    update::{measure, remember, rests, update},
     within::{Drive, Load, Moving, Point, Segment, State},
 };
 use crate::{Parameters, contact, forcing, state, step::Scratch};
@@ -36,7 +36,7 @@ pub const STORMY: f64 = 1.0 / 3.0;
 /// of n points.
 const AT_TIP: f64 = 0.25;
 /// Steps at rest that a strand needs to fall asleep, however long they are.
-pub const STILL_STEPS: u32 = 10;
+pub const RESTING_STEPS: u32 = 10;
 /// Turn of a frame at rest \[rad\].
 pub const STILL_TURN: f64 = 1e-3;
 
@@ -90,7 +90,7 @@ pub fn begin(s: &state::State, w: &mut Scratch, p: &Parameters) {
 pub fn sample_fields(s: &state::State, w: &Scratch, p: &Parameters) -> Vec<Local> {
     let at = |(i, local): (usize, &Local)| {
         let position = if exchanges(p) { local.position } else { s.position[i] + p.step * s.velocity[i] };
-        let (wind, _) = forcing::gale(p, s.steps, position);
+        let (wind, _) = forcing::force_field_velocity(p, s.steps, position);
         Local { wind: local.wind + undisturbed_part(local) * wind, ..*local }
     };
     w.local.iter().enumerate().map(at).collect()
@@ -111,7 +111,7 @@ pub fn push_hair(s: &mut state::State, w: &mut Scratch, _: &Parameters) {
 pub fn exclude_push(s: &state::State, w: &Scratch, p: &Parameters) -> Vec<DVec3> {
     let mut impulses = w.drag_impulse.clone();
     for (i, a) in s.pushed.iter().enumerate().take(p.hair_points) {
-        let felt = w.moving.points[i].step.is_finite() || s.asleep[p.strand_of[i]];
+        let felt = w.moving.points[i].step.is_finite() || s.sleeping[p.strand_of[i]];
         if s.inverse_mass[i] > 0.0 && felt {
             impulses[i] -= p.step / s.inverse_mass[i] * s.hair.weight(i) * *a;
         }
@@ -125,7 +125,7 @@ pub fn predict_all(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
         predict(p, s, strand, &mut w.drives[strand], &mut w.moving);
         let drive = &w.drives[strand];
         s.euler_steps += usize::from(drive.state == State::Free && p.bdf2 && drive.step == p.step);
-        s.asleep_steps += usize::from(drive.state == State::Asleep);
+        s.sleeping_steps += usize::from(drive.state == State::Sleeping);
         s.teleports += usize::from(drive.state == State::Teleported);
     }
 }
@@ -140,7 +140,8 @@ pub fn update_all(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
     w.rod_velocity = w.moving.points.iter().map(|point| point.velocity_after(p)).collect();
     w.new_velocity[..p.hair_points].copy_from_slice(&w.rod_velocity);
     for (i, point) in w.moving.points.iter_mut().enumerate() {
-        w.predicted[i] = s.position[i] + if point.held_tip { point.tip_travel } else { point.shift + point.travel };
+        w.predicted[i] =
+            s.position[i] + if point.held_tip { point.tip_displacement } else { point.shift + point.displacement };
         w.drag_impulse.push(p.step * point.load.at(w.rod_velocity[i]));
         point.before = point.velocity;
     }
@@ -155,9 +156,9 @@ pub fn begin_point(p: &Parameters, s: &state::State, i: usize, correction: DVec3
         start: s.position[i],
         velocity: s.velocity[i] + change,
         before: s.velocity_before[i] + change,
-        carried: s.travel[i],
-        outside: change,
-        push: change - s.outside[i],
+        previous_move: s.displacement[i],
+        external_dv: change,
+        impulse_change: change - s.external_dv[i],
         inverse_mass,
         weight: s.hair.weight(i),
         held_tip: inverse_mass == 0.0 && i > s.hair.points(p.strand_of[i]).start,
@@ -174,7 +175,7 @@ pub fn begin_segment(s: &state::State, strand: usize, k: usize) -> Segment {
         start: s.orientation[k],
         angular_velocity: s.angular_velocity[k],
         before: s.angular_velocity_before[k],
-        carried: s.turn[k],
+        previous_move: s.turn[k],
         chord: s.position[point + 1] - s.position[point],
         rest_drift: s.segment_rest_drift[k],
         ..Segment::default()

@@ -19,12 +19,12 @@ pub struct State {
     /// Spin of each segment \[rad/s\].
     pub angular_velocity: Vec<DVec3>,
     /// Move of each hair point in the last step \[m\].
-    pub travel: Vec<DVec3>,
+    pub displacement: Vec<DVec3>,
     /// Velocity of each hair point one step before, with all that acted from outside since \[m/s\].
     pub velocity_before: Vec<DVec3>,
     /// Change of each hair point's velocity by all that acted from outside in its last step awake, a mean of those on end in
     /// which its strand was still \[m/s\]; 0 with the model `particles`.
-    pub outside: Vec<DVec3>,
+    pub external_dv: Vec<DVec3>,
     /// Change of each hair point's velocity by its rod and gravity in its last step awake \[m/s\]; 0 with the model `particles`.
     pub own: Vec<DVec3>,
     /// Slip that friction of hair on hair holds each hair point back from \[m/s\]: see [`crate::fluid::friction`].
@@ -50,21 +50,21 @@ pub struct State {
     /// Force that holds each strand's tip, where it is held \[N\].
     pub tip_force: Vec<DVec3>,
     /// Number of steps on end in which each strand was at rest.
-    pub still: Vec<u32>,
+    pub resting: Vec<u32>,
     /// Whether each strand is asleep.
-    pub asleep: Vec<bool>,
+    pub sleeping: Vec<bool>,
     /// What contacts of hair with bodies keep, of points and then of segments, each with every body; empty before the first step.
     pub contacts: Vec<Memory>,
     /// Number of strand-steps by Euler where BDF2 is asked for, so far.
     pub euler_steps: usize,
     /// Number of strand-steps asleep, so far.
-    pub asleep_steps: usize,
+    pub sleeping_steps: usize,
     /// Number of strand-steps that had not settled after the last Newton step, so far.
     pub unsolved_steps: usize,
     /// Number of teleports so far.
     pub teleports: usize,
     /// Whether each strand was not finite in the step before, and is to be reset.
-    pub bad: Vec<bool>,
+    pub failed: Vec<bool>,
     /// Number of times that a strand was not finite, so far.
     pub resets: usize,
     /// Number of steps on end in which each strand had a segment stretched or crushed by more than a twentieth.
@@ -103,9 +103,9 @@ impl State {
             hair.roots().collect::<Vec<_>>().into_iter().zip(hair.root_frame.iter().copied()).collect();
         Self {
             steps: 0,
-            travel: hair.velocities.iter().map(|v| *v * step).collect(),
+            displacement: hair.velocities.iter().map(|v| *v * step).collect(),
             velocity_before: hair.velocities.clone(),
-            outside: vec![DVec3::ZERO; hair.velocities.len()],
+            external_dv: vec![DVec3::ZERO; hair.velocities.len()],
             own: vec![DVec3::ZERO; hair.velocities.len()],
             grip: vec![DVec3::ZERO; hair.velocities.len()],
             pressed: vec![Pressed::default(); hair.velocities.len() + air],
@@ -118,18 +118,18 @@ impl State {
             bdf2_ready: vec![false; hair.len()],
             tip_targets: (0..hair.len()).map(|s| hair.positions[hair.points(s).end - 1]).collect(),
             tip_force: vec![DVec3::ZERO; hair.len()],
-            still: vec![0; hair.len()],
-            asleep: vec![false; hair.len()],
+            resting: vec![0; hair.len()],
+            sleeping: vec![false; hair.len()],
             contacts: Vec::new(),
             euler_steps: 0,
-            asleep_steps: 0,
+            sleeping_steps: 0,
             unsolved_steps: 0,
             teleports: 0,
             position: hair.positions.iter().copied().chain(initial.air.positions.iter().map(local)).collect(),
             velocity: hair.velocities.iter().chain(&initial.air.velocities).copied().collect(),
             orientation: hair.orientations.clone(),
             angular_velocity: hair.angular_velocities.clone(),
-            bad: vec![false; hair.len()],
+            failed: vec![false; hair.len()],
             resets: 0,
             strained_steps: vec![0; hair.len()],
             over_strained: 0,

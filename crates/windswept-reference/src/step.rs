@@ -18,9 +18,9 @@ use crate::{
 /// [`Frozen`] says why the step was not committed; the state is as it was before.
 pub fn step(state: &mut State, p: &Parameters) -> Result<(), Frozen> {
     let mut s = state.clone();
-    let spoilt = forcing::mend(&mut s); //   1. Bad strands are reset.
+    let invalid = forcing::recover(&mut s); //   1. Bad strands are reset.
     let mut w = forcing::run(&s, p); //         Clamps and bodies move; wind enters; air moves, and hair drifts among it.
-    w.spoilt = spoilt;
+    w.invalid = invalid;
     neighbours::run(&mut w, p); //         2. List who is near whom.
     fluid::run(&s, &mut w, p); //          3. Pressure, or density constraints (eq. 1), of hair and air together or each for itself.
     rods::run(&mut s, &mut w, p); //       4. Air drags strands, which keep their length and shape and stay out of bodies; they slow the air.
@@ -35,14 +35,14 @@ pub fn step(state: &mut State, p: &Parameters) -> Result<(), Frozen> {
 /// Arrays that a step works on before it is committed: the engine's scratch buffers of the same names.
 #[derive(Debug, Clone, Default)]
 pub struct Scratch {
-    /// Number of strands that were spoilt when the step began.
-    pub spoilt: usize,
+    /// Number of strands that were invalid when the step began.
+    pub invalid: usize,
     /// Mean wind in this step \[m/s\].
     pub blowing: DVec3,
     /// What the air in the fringe misses of the wind, on average \[m/s\].
-    pub missed: DVec3,
+    pub fringe_deficit: DVec3,
     /// What all air lacks of the wind, along it \[m/s\].
-    pub lack: DVec3,
+    pub wind_deficit: DVec3,
     /// Change that ramp, gusts and fringe make to each air particle \[m/s\].
     pub wind_change: Vec<DVec3>,
     /// Position of each particle \[m\].

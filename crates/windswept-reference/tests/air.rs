@@ -175,15 +175,15 @@ fn check_sees_positions_and_velocities() {
     let mut p = still_box(DVec3::X);
     p.hair_points = 1;
     let fine = [DVec3::ONE; 3];
-    let spoilt = |i: usize| {
+    let invalid = |i: usize| {
         let mut values = fine;
         values[i].y = f64::INFINITY;
         values
     };
     assert_eq!(commit::check(&p, 0, &fine, &fine), Ok(()));
-    assert_eq!(commit::check(&p, 0, &spoilt(2), &fine), Err(Frozen::NonFiniteAir(1)));
-    assert_eq!(commit::check(&p, 0, &fine, &spoilt(1)), Err(Frozen::NonFiniteAir(0)));
-    assert_eq!(commit::check(&p, 0, &spoilt(0), &fine), Ok(()));
+    assert_eq!(commit::check(&p, 0, &invalid(2), &fine), Err(Frozen::NonFiniteAir(1)));
+    assert_eq!(commit::check(&p, 0, &fine, &invalid(1)), Err(Frozen::NonFiniteAir(0)));
+    assert_eq!(commit::check(&p, 0, &invalid(0), &fine), Ok(()));
     let fast = |speed: f64| [DVec3::ONE, DVec3::ONE, DVec3::new(0.0, -speed, 0.0)];
     assert_eq!(commit::check(&p, 0, &fine, &fast(0.999e6)), Ok(()));
     assert_eq!(commit::check(&p, 0, &fine, &fast(1.001e6)), Err(Frozen::NonFiniteAir(1)));

@@ -50,7 +50,7 @@ fn momentum_is_exchanged_and_energy_lost() {
                 thin = thin.min(covered);
                 given += covered * w.drag_impulse[i];
                 size += covered * w.drag_impulse[i].length();
-                let v = rods::rate(&p, point.travel, point.carried, point.step);
+                let v = rods::rate(&p, point.displacement, point.previous_move, point.step);
                 work += covered * w.drag_impulse[i].dot(v);
             }
             worst = worst.max((lost + given).length() / size);
@@ -146,7 +146,7 @@ fn the_mean_wind_takes_over_where_air_is_missing() {
 fn who_exchanges() {
     let (p, initial) = tuft(36.0, 1.38e-3, 3.0);
     let mut state = State::new(&initial, p.step);
-    (state.bad[0], state.bad[1]) = (true, false);
+    (state.failed[0], state.failed[1]) = (true, false);
     state.root_targets[1].0 += DVec3::Z * 0.2;
     let (s, w, _) = exchanged(&state, &p);
     let sum = |strand: usize| w.drag_impulse[s.hair.points(strand)].iter().map(|j| j.length()).sum::<f64>();

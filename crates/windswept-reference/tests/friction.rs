@@ -12,7 +12,7 @@ use rand_pcg::Pcg64;
 use support::{Crowd, RADIUS, Rod, VOLUME, bundle, stirred};
 use windswept_reference::{
     Parameters, State,
-    fluid::{self, Rub, STIFFNESS},
+    fluid::{self, FrictionPoint, STIFFNESS},
     step::step,
 };
 use windswept_scene::{End, Ends, InitialState, Scene, Strands};
@@ -38,10 +38,10 @@ const MU: f64 = 0.3;
 fn friction(crowd: &Crowd, v: &[DVec3], grip: &[DVec3], multiplier: &[f64]) -> (Vec<DVec3>, Vec<DVec3>) {
     let (p, x, w, volume) = (&crowd.parameters, &crowd.positions, &crowd.inverse_mass, &crowd.volume);
     let near = crowd.neighbours();
-    let rub = |i: usize| Rub { pull: v[i] + STIFFNESS * grip[i], moved: v[i], multiplier: multiplier[i] };
+    let rub = |i: usize| FrictionPoint { pull: v[i] + STIFFNESS * grip[i], moved: v[i], multiplier: multiplier[i] };
     let rubs: Vec<_> = (0..p.hair_points).map(rub).collect();
-    let squeezed = fluid::squeeze(p, x, w, volume, &rubs, &near);
-    fluid::friction(p, x, grip, w, volume, &rubs, &squeezed, &near)
+    let normal_impulses = fluid::normal_impulse(p, x, w, volume, &rubs, &near);
+    fluid::friction(p, x, grip, w, volume, &rubs, &normal_impulses, &near)
 }
 
 /// Friction changes no momentum, takes energy, and leaves alone points that are held or that move with the others.
@@ -220,23 +220,23 @@ fn lies(strand_count: usize, damping: f64, seconds: f64) -> (usize, f64) {
     };
     let settled = run((2.0 / p.step) as usize);
     let after = run(((seconds - 2.0) / p.step) as usize);
-    let asleep = after.asleep[at.len()..].iter().filter(|asleep| **asleep).count();
-    (asleep, support::apart(&after.position, &settled.position) / LENGTH)
+    let sleeping = after.sleeping[at.len()..].iter().filter(|sleeping| **sleeping).count();
+    (sleeping, support::apart(&after.position, &settled.position) / LENGTH)
 }
 
 /// A mat of strands that rub comes to rest, stays where it is, and falls asleep.
 #[test]
 fn a_mat_sleeps() {
-    let (asleep, creeps) = lies(2, 20.0, 5.0);
-    println!("{asleep} of 2 sleep, {creeps:.1e} L");
-    assert!(asleep == 2 && creeps < 1e-4);
+    let (sleeping, creeps) = lies(2, 20.0, 5.0);
+    println!("{sleeping} of 2 sleep, {creeps:.1e} L");
+    assert!(sleeping == 2 && creeps < 1e-4);
 }
 
 /// A larger mat, with less to brake it, does so for ten seconds.
 #[test]
 #[ignore = "long: 20 s of CPU time"]
 fn a_large_mat_sleeps() {
-    let (asleep, creeps) = lies(4, 5.0, 12.0);
-    println!("{asleep} of 4 sleep, {creeps:.1e} L in 10 s");
-    assert!(asleep == 4 && creeps < 1e-4);
+    let (sleeping, creeps) = lies(4, 5.0, 12.0);
+    println!("{sleeping} of 4 sleep, {creeps:.1e} L in 10 s");
+    assert!(sleeping == 4 && creeps < 1e-4);
 }

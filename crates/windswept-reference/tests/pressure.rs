@@ -387,7 +387,7 @@ fn what_was_put_somewhere_starts_without_pressure() {
         state.pressed[points].iter().filter(|pressed| pressed.pressure != 0.0).count()
     };
     assert_eq!([0, 1, 2].map(|strand| pressed(&state, strand)), [5; 3]);
-    state.bad[0] = true;
+    state.failed[0] = true;
     state.root_targets[1].0 += DVec3::Z * 0.025;
     step(&mut state, &p).unwrap();
     assert_eq!([0, 1, 2].map(|strand| pressed(&state, strand)), [0, 0, 5]);

@@ -181,7 +181,7 @@ fn a_bad_strand_is_held_and_reset() {
 
     step(&mut state, &p).unwrap();
     step(&mut healthy, &p).unwrap();
-    assert_eq!((state.bad.clone(), state.resets), (vec![false, false, true, false, false], 1));
+    assert_eq!((state.failed.clone(), state.resets), (vec![false, false, true, false, false], 1));
     assert_eq!(state.position[points.clone()], before.position[points.clone()]);
     assert!(state.velocity[points.clone()].iter().all(|v| *v == DVec3::ZERO));
     assert!(state.angular_velocity[segments].iter().all(|w| w.length() < 1e-12));
@@ -201,15 +201,15 @@ fn is_at_rest_alone(state: &State, healthy: &State, resets: usize) {
     let off = apart(&state.position[points.clone()], &fresh.position[points.clone()]);
     assert!(off < 1e-14, "{off} m from the rest shape");
     assert!(state.velocity[points].iter().all(|v| *v == DVec3::ZERO));
-    assert_eq!((state.bad.contains(&true), state.resets), (false, resets));
+    assert_eq!((state.failed.contains(&true), state.resets), (false, resets));
     for strand in [0, 1, 3, 4] {
         assert_eq!(state.position[state.hair.points(strand)], healthy.position[state.hair.points(strand)]);
     }
 }
 
-/// A strand that is spoilt when a step begins (a value of it is not finite, or absurd) starts that very step from its rest shape.
+/// A strand that is invalid when a step begins (a value of it is not finite, or absurd) starts that very step from its rest shape.
 #[test]
-fn a_spoilt_strand_is_reset_at_once() {
+fn an_invalid_strand_is_reset_at_once() {
     let (mut start, p) = alone(row_of_strands(5));
     run(&mut start, &p, 3);
     let mut healthy = start.clone();
@@ -237,18 +237,18 @@ fn a_spoilt_strand_is_reset_at_once() {
 /// More than three bad strands of a few end the run and leave the state as it was.
 #[test]
 fn many_bad_strands_end_the_run() {
-    use windswept_reference::commit::{Frozen, bad_strand_limit};
-    assert_eq!([0, 300, 400, 1_000].map(bad_strand_limit), [3, 3, 4, 10]);
-    for (bad, expected) in [(3, Ok(())), (4, Err(Frozen::BadStrands(4)))] {
+    use windswept_reference::commit::{Frozen, failed_strand_limit};
+    assert_eq!([0, 300, 400, 1_000].map(failed_strand_limit), [3, 3, 4, 10]);
+    for (failed, expected) in [(3, Ok(())), (4, Err(Frozen::FailedStrands(4)))] {
         let (mut state, p) = alone(row_of_strands(6));
-        for strand in 0..bad {
+        for strand in 0..failed {
             let tip = state.hair.points(strand).end - 1;
             state.velocity[tip].x = f64::INFINITY;
         }
         let before = state.clone();
         assert_eq!(step(&mut state, &p), expected);
         assert_eq!(state.steps == before.steps, expected.is_err());
-        assert_eq!(state.position == before.position && state.bad == before.bad, expected.is_err());
+        assert_eq!(state.position == before.position && state.failed == before.failed, expected.is_err());
     }
 }
 

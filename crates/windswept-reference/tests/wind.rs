@@ -183,10 +183,10 @@ fn sleepers_wake_when_the_wind_changes() {
         for _ in 0..2500 {
             step(&mut state, &p).unwrap();
         }
-        assert!(state.asleep[0], "{wind} m/s: awake");
+        assert!(state.sleeping[0], "{wind} m/s: awake");
         let tip = state.position[34] / hair.length;
         let off = if wind > 0.0 { off(tip, hair.tip()) } else { (tip + DVec3::Y).length() };
-        println!("{wind} m/s: asleep {off:.1e} L off, {} steps", state.asleep_steps);
+        println!("{wind} m/s: asleep {off:.1e} L off, {} steps", state.sleeping_steps);
         // As far off as awake: 2.8e-4 L.
         assert!(off < 4e-4, "{off:e}");
         // As little more as bends it by a thousandth of its length.
@@ -194,6 +194,6 @@ fn sleepers_wake_when_the_wind_changes() {
         for _ in 0..20 {
             step(&mut state, &p).unwrap();
         }
-        assert!(!state.asleep[0], "{wind} m/s: sleeps on");
+        assert!(!state.sleeping[0], "{wind} m/s: sleeps on");
     }
 }

@@ -23,14 +23,14 @@ const LARGEST_SHARE: f64 = 0.5;
 impl Air {
     /// Volume V of a particle before the count is rounded \[m³\].
     #[must_use]
-    pub fn parcel(&self) -> f64 {
+    pub fn particle_volume(&self) -> f64 {
         self.particle_mass / self.rest_density
     }
 
     /// Sites of the lattice that fills a box, along each axis.
     pub(crate) fn lattice(&self, bounds: &Bounds) -> DVec3 {
         let size = DVec3::from_array(bounds.max) - DVec3::from_array(bounds.min);
-        (size / self.parcel().cbrt()).round().max(DVec3::splat(3.0))
+        (size / self.particle_volume().cbrt()).round().max(DVec3::splat(3.0))
     }
 }
 
@@ -51,7 +51,7 @@ impl Scene {
 pub(crate) fn particles(air: &Air, bounds: &Bounds, hair: &Strands, bodies: &[Shape], seed: u64) -> AirParticles {
     let min = DVec3::from_array(bounds.min);
     let size = DVec3::from_array(bounds.max) - min;
-    let spacing = air.parcel().cbrt();
+    let spacing = air.particle_volume().cbrt();
     let counts = air.lattice(bounds);
     let pitch = size / counts;
     let [nx, ny, nz] = counts.to_array().map(|n| n as usize);

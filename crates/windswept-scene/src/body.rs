@@ -8,14 +8,14 @@ use std::f64::consts::{PI, TAU};
 use glam::{DMat3, DVec3};
 
 use crate::{
-    declare::{Keys, Misfit, table, words},
+    declare::{InvalidValue, Keys, table, words},
     error::SceneError,
     keys::{
-        Fallback::{Absent, Value},
+        Fallback::{Derived, Value},
         Key,
         Kind::{Choice, Length, NonNegative, Path, Positive, Table, Tables, Text, Vector},
     },
-    limits::{MOST_BLOCKED, MOST_GRID_VALUES},
+    limits::{MAX_BLOCKED, MAX_GRID_VALUES},
     motion::Motion,
     reader::Reader,
     scene::{Bounds, Scene, Up},
@@ -38,11 +38,11 @@ table! {
         /// Name of the body, for dotted keys and errors.
         name: String = Text, "", Value("body".to_owned());
         /// Shape of the body where it is written, before it moves.
-        shape as "": Shape = Table, "", Absent("");
+        shape as "": Shape = Table, "", Derived("");
         /// Coulomb's coefficient of friction of hair on the body.
         friction: f64 = NonNegative, "", Value(0.3);
         /// Keyframes of the body, about its centre, or about the origin of its mesh file.
-        motion: Motion = Tables, "", Absent("it rests");
+        motion: Motion = Tables, "", Derived("it rests");
     }
 }
 
@@ -87,21 +87,21 @@ table! {
         /// Shape of the body: with center and radius, with start, end and radius, or with file.
         shape: ShapeName = Choice(ShapeName::WORDS), "", Value(ShapeName::Sphere);
         /// Centre of the sphere.
-        center: Option<[f64; 3]> = Vector, "m", Absent("needed with shape sphere");
+        center: Option<[f64; 3]> = Vector, "m", Derived("needed with shape sphere");
         /// Start of the capsule's axis.
-        start: Option<[f64; 3]> = Vector, "m", Absent("needed with shape capsule");
+        start: Option<[f64; 3]> = Vector, "m", Derived("needed with shape capsule");
         /// End of the capsule's axis.
-        end: Option<[f64; 3]> = Vector, "m", Absent("needed with shape capsule");
+        end: Option<[f64; 3]> = Vector, "m", Derived("needed with shape capsule");
         /// Radius of the sphere, or about the capsule's axis.
-        radius: Option<f64> = Length, "m", Absent("needed with shape sphere or capsule");
+        radius: Option<f64> = Length, "m", Derived("needed with shape sphere or capsule");
         /// Mesh file whose triangles enclose the body (.obj, .ply, .glb).
-        file: Option<String> = Path, "", Absent("needed with shape mesh");
+        file: Option<String> = Path, "", Derived("needed with shape mesh");
         /// Metres per unit of the file: 0.01 for centimetres.
-        scale: Option<f64> = Positive, "m", Absent("needed with shape mesh, unless the file says its unit");
+        scale: Option<f64> = Positive, "m", Derived("needed with shape mesh, unless the file says its unit");
         /// Axis of the file that points up, or the axes of the file that become x, y and z; xzy, yxz and zyx mirror.
-        up: Option<Up> = Choice(Up::WORDS), "", Absent("y");
+        up: Option<Up> = Choice(Up::WORDS), "", Derived("y");
         /// Spacing of the grid of distances from the mesh.
-        resolution: Option<f64> = Length, "m", Absent("0.002, or less: 128 cells along its longest side");
+        resolution: Option<f64> = Length, "m", Derived("0.002, or less: 128 cells along its longest side");
     }
 }
 
@@ -320,8 +320,8 @@ impl Keys for Shape {
         self.spelled().write(writer);
     }
 
-    fn misfit(&self) -> Option<Misfit> {
-        self.spelled().misfit()
+    fn invalid_value(&self) -> Option<InvalidValue> {
+        self.spelled().invalid_value()
     }
 }
 
@@ -341,11 +341,11 @@ impl Scene {
     /// The grids of all meshes must fit into one buffer, and the wind must get past the bodies.
     pub(crate) fn check_bodies(&self, reader: &Reader<'_>) -> Result<(), SceneError> {
         let nodes: usize = self.solids().iter().map(|solid| solid.grid().values.len()).sum();
-        if nodes > MOST_GRID_VALUES {
+        if nodes > MAX_GRID_VALUES {
             let most = |body: &Body| body.shape.solid().map_or(0, |solid| solid.grid().values.len());
             let largest = (0..self.bodies.len()).max_by_key(|&i| most(&self.bodies[i])).unwrap_or_default();
             let words = format!(
-                "the grids of all meshes have {nodes} nodes together; expected at most {MOST_GRID_VALUES}, with a larger resolution"
+                "the grids of all meshes have {nodes} nodes together; expected at most {MAX_GRID_VALUES}, with a larger resolution"
             );
             return Err(reader.fault(&format!("body.{largest}.resolution"), words));
         }
@@ -353,7 +353,7 @@ impl Scene {
         let bodies: Vec<Shape> = self.bodies.iter().map(|body| body.at(0.0)).collect();
         for (axis, name) in ["x", "y", "z"].into_iter().enumerate().filter(|&(axis, _)| air.wind[axis] != 0.0) {
             let part = blocked(&bodies, &bounds, axis);
-            if part > MOST_BLOCKED {
+            if part > MAX_BLOCKED {
                 let words =
                     format!("bodies block {:.0} % of air.box across {name}; expected room for the wind", 100.0 * part);
                 return Err(reader.fault("body", words));

@@ -16,7 +16,7 @@
 //! ```
 //!
 //! * `name as "key": …` where the key is not called as the field; `as ""` where the field is a group of keys of this table.
-//! * `… Absent("what happens") => |reader| value;` where the value follows from other keys when the file does not say; fields
+//! * `… Derived("what happens") => |reader| value;` where the value follows from other keys when the file does not say; fields
 //!   above are in scope.
 //! * `pub struct Name, checked by Name::checked { … }` where keys must fit together; the function takes the struct and the
 //!   reader, and may settle what the keys say together.
@@ -51,15 +51,15 @@ impl<T> Row<T> {
     /// The row as that of another type, which takes what this one takes and has no default of its own.
     pub(crate) fn of_parts<U>(self) -> Row<U> {
         let default = match self.default {
-            Fallback::Absent(text) => Fallback::Absent(text),
-            _ => Fallback::Needed,
+            Fallback::Derived(text) => Fallback::Derived(text),
+            _ => Fallback::Required,
         };
         Row { name: self.name, kind: self.kind, unit: self.unit, doc: self.doc, default }
     }
 }
 
 /// A value that its key does not take.
-pub(crate) struct Misfit {
+pub(crate) struct InvalidValue {
     /// Name of the key in its table.
     pub(crate) key: &'static str,
     /// What was expected.
@@ -80,7 +80,7 @@ pub(crate) trait Field: Sized {
     /// Writes the field as the key of this name.
     fn write(&self, name: &'static str, writer: &mut Writer);
     /// The first value that its key does not take, in a struct that was made in code.
-    fn misfit(&self, _name: &'static str, _kind: Kind) -> Option<Misfit> {
+    fn invalid_value(&self, _name: &'static str, _kind: Kind) -> Option<InvalidValue> {
         None
     }
 }
@@ -97,7 +97,7 @@ pub(crate) trait Keys: Sized {
     /// Writes every key of the table.
     fn write(&self, writer: &mut Writer);
     /// The first value that its key does not take.
-    fn misfit(&self) -> Option<Misfit>;
+    fn invalid_value(&self) -> Option<InvalidValue>;
 }
 
 /// A value that one key spells.
@@ -155,8 +155,8 @@ impl<T: Keys> Field for T {
         }
     }
 
-    fn misfit(&self, _name: &'static str, _kind: Kind) -> Option<Misfit> {
-        T::misfit(self)
+    fn invalid_value(&self, _name: &'static str, _kind: Kind) -> Option<InvalidValue> {
+        T::invalid_value(self)
     }
 }
 
@@ -169,7 +169,7 @@ impl<T: Field> Field for Option<T> {
         let has_default = matches!(row.default, Fallback::Value(Some(_)));
         let mut keys = Vec::new();
         if row.name.is_empty() {
-            T::list(row.with(Fallback::Needed), "", &mut keys);
+            T::list(row.with(Fallback::Required), "", &mut keys);
         }
         let named = !row.name.is_empty() && reader.has(row.name);
         let spelled = named || keys.iter().any(|key| reader.has(&key.path));
@@ -182,8 +182,8 @@ impl<T: Field> Field for Option<T> {
         }
     }
 
-    fn misfit(&self, name: &'static str, kind: Kind) -> Option<Misfit> {
-        self.as_ref()?.misfit(name, kind)
+    fn invalid_value(&self, name: &'static str, kind: Kind) -> Option<InvalidValue> {
+        self.as_ref()?.invalid_value(name, kind)
     }
 }
 
@@ -192,8 +192,8 @@ impl<T> Row<Option<T>> {
         let Self { name, kind, unit, doc, default } = self;
         let default = match default {
             Fallback::Value(Some(value)) => Fallback::Value(value),
-            Fallback::Absent(text) => Fallback::Absent(text),
-            _ => Fallback::Needed,
+            Fallback::Derived(text) => Fallback::Derived(text),
+            _ => Fallback::Required,
         };
         Row { name, kind, unit, doc, default }
     }
@@ -235,8 +235,8 @@ macro_rules! leaves {
                 writer.pair(name, $crate::declare::Leaf::toml(self));
             }
 
-            fn misfit(&self, name: &'static str, kind: $crate::keys::Kind) -> Option<$crate::declare::Misfit> {
-                $crate::declare::misfit_of_leaf(self, name, kind)
+            fn invalid_value(&self, name: &'static str, kind: $crate::keys::Kind) -> Option<$crate::declare::InvalidValue> {
+                $crate::declare::invalid_value_of_leaf(self, name, kind)
             }
         }
     )+};
@@ -251,7 +251,7 @@ pub(crate) fn read_leaf<T: Leaf>(row: Row<T>, reader: &Reader<'_>) -> Result<Opt
         return Ok(Some(said));
     }
     match row.default {
-        Fallback::Needed => {
+        Fallback::Required => {
             let expected = row.kind.expected_in(row.unit);
             Err(reader.fault(row.name, format!("is missing: expected {expected}")))
         }
@@ -259,9 +259,13 @@ pub(crate) fn read_leaf<T: Leaf>(row: Row<T>, reader: &Reader<'_>) -> Result<Opt
     }
 }
 
-pub(crate) fn misfit_of_leaf<T: Leaf + std::fmt::Debug>(value: &T, key: &'static str, kind: Kind) -> Option<Misfit> {
+pub(crate) fn invalid_value_of_leaf<T: Leaf + std::fmt::Debug>(
+    value: &T,
+    key: &'static str,
+    kind: Kind,
+) -> Option<InvalidValue> {
     let expected = || format!("{}, of magnitude {SMALLEST:e} to {LARGEST:e}", kind.expected());
-    (!value.fits(kind)).then(|| Misfit { key, expected: expected(), found: format!("{value:?}") })
+    (!value.fits(kind)).then(|| InvalidValue { key, expected: expected(), found: format!("{value:?}") })
 }
 
 /// A number as TOML, as short as reads back to the same bits: 1.46e-7, not 0.000000146.
@@ -391,9 +395,9 @@ macro_rules! table {
                 $($crate::declare::Field::write(&self.$field, $crate::declare::name!($field $($key)?), writer);)*
             }
 
-            fn misfit(&self) -> Option<$crate::declare::Misfit> {
+            fn invalid_value(&self) -> Option<$crate::declare::InvalidValue> {
                 None$(.or_else(|| {
-                    $crate::declare::Field::misfit(&self.$field, $crate::declare::name!($field $($key)?), $kind)
+                    $crate::declare::Field::invalid_value(&self.$field, $crate::declare::name!($field $($key)?), $kind)
                 }))*
             }
         }

@@ -14,7 +14,7 @@ use crate::{
     error::SceneError,
     keys::{KEYS, Key, Kind},
     limits::{
-        LARGEST, MAGNITUDES, MOST_BANDS, MOST_BODIES, MOST_COURSE_KEYFRAMES, MOST_FORCES, MOST_HAIR_GROUPS, SMALLEST,
+        LARGEST, MAGNITUDES, MAX_BANDS, MAX_BODIES, MAX_FORCES, MAX_HAIR_GROUPS, MAX_STRENGTH_KEYFRAMES, SMALLEST,
     },
 };
 
@@ -152,11 +152,11 @@ impl Document {
 /// Most tables of an array, and what they are; `None` where only the length of the file says how many there are.
 fn most_of(path: &str) -> Option<(usize, &'static str)> {
     match path {
-        "hair" => Some((MOST_HAIR_GROUPS, "groups of strands")),
-        "body" => Some((MOST_BODIES, "bodies")),
-        "force" => Some((MOST_FORCES, "force fields")),
-        "turbulence.bands" => Some((MOST_BANDS, "bands")),
-        "air.gust" => Some((MOST_COURSE_KEYFRAMES, "gusts")),
+        "hair" => Some((MAX_HAIR_GROUPS, "groups of strands")),
+        "body" => Some((MAX_BODIES, "bodies")),
+        "force" => Some((MAX_FORCES, "force fields")),
+        "turbulence.bands" => Some((MAX_BANDS, "bands")),
+        "air.gust" => Some((MAX_STRENGTH_KEYFRAMES, "gusts")),
         _ => None,
     }
 }

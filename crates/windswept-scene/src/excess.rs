@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use crate::{
-    limits::{MOST_NODES, MOST_PAIRS, MOST_PRODUCTS, PAIRS_PER_ROW},
+    limits::{MAX_NODES, MAX_PAIRS, MAX_PRODUCTS, PAIRS_PER_ROW},
     scene::{Filter, Turbulence, rounded},
 };
 
@@ -35,7 +35,7 @@ impl Turbulence {
 
 /// Where nodes are a kernel radius apart, another scale has as many.
 fn excess_of_nodes(scale: f64, apart_by_scale: bool, nodes: [f64; 3]) -> Option<Excess> {
-    let (nodes, most) = (nodes.iter().product::<f64>(), MOST_NODES as f64);
+    let (nodes, most) = (nodes.iter().product::<f64>(), MAX_NODES as f64);
     let expected = || match apart_by_scale {
         true => format!("expected at least about {} m", rounded(scale * (nodes / most).cbrt())),
         false => "expected a smaller box of air".to_owned(),
@@ -51,7 +51,7 @@ fn excess_of_taps(scale: f64, nodes: [f64; 3], size: DVec3) -> Option<Excess> {
     let fits = |(nodes, side): (f64, f64)| {
         let reach = Turbulence::reach(side / nodes / scale) as f64;
         let taps = reach.min(nodes / 2.0);
-        let most = (MOST_PRODUCTS / nodes).sqrt();
+        let most = (MAX_PRODUCTS / nodes).sqrt();
         (taps > most).then(|| Excess {
             what: format!("the filter would have {taps:.0} taps to either side of each of {nodes:.0} nodes along an axis, at most {most:.0} can be fitted"),
             expected: format!("expected at most about {} m", rounded(scale * most / reach)),
@@ -69,8 +69,8 @@ fn excess_of_pairs(scale: f64, reach: f64, radius: f64, particles: f64, size: DV
     let rows = blocks.min(particles) * (2.0 * reach / radius).powi(2);
     let walking = PAIRS_PER_ROW * rows;
     // Half of the time for each.
-    let fits = scale * (MOST_PAIRS / (2.0 * pairs)).cbrt().min((MOST_PAIRS / (2.0 * walking)).sqrt());
-    (pairs + walking > MOST_PAIRS).then(|| Excess {
+    let fits = scale * (MAX_PAIRS / (2.0 * pairs)).cbrt().min((MAX_PAIRS / (2.0 * walking)).sqrt());
+    (pairs + walking > MAX_PAIRS).then(|| Excess {
         what: format!("the direct filter would sum {pairs:.1e} pairs a step and look at {rows:.1e} rows of cells"),
         expected: format!("expected at most about {} m, or filter = \"grid\"", rounded(fits)),
     })

@@ -6,7 +6,7 @@ use crate::{
     declare::{table, words},
     error::SceneError,
     keys::{
-        Fallback::{Absent, Needed, Value},
+        Fallback::{Derived, Required, Value},
         Kind::{Choice, Direction, Length, NonNegative, Number, Tables, Text, Vector},
     },
     reader::Reader,
@@ -36,33 +36,33 @@ table! {
         /// Name of the field, for dotted keys and errors.
         name: String = Text, "", Value("force".to_owned());
         /// Shape of the field's wind: along the axis, about it, or away from the origin.
-        field: ForceField = Choice(ForceField::WORDS), "", Needed;
+        field: ForceField = Choice(ForceField::WORDS), "", Required;
         /// Point where a jet begins, through which a vortex's axis goes, or from which a point blows.
-        origin: [f64; 3] = Vector, "m", Needed;
+        origin: [f64; 3] = Vector, "m", Required;
         /// Direction of a jet, or axis that a vortex turns about, right-handed.
-        axis: Option<[f64; 3]> = Direction, "", Absent("needed with fields jet and vortex");
+        axis: Option<[f64; 3]> = Direction, "", Derived("needed with fields jet and vortex");
         /// Distance at which the field ends: along a jet, from a vortex's axis, from a point; from half of it on it fades.
-        reach: f64 = Length, "m", Needed;
+        reach: f64 = Length, "m", Required;
         /// Radius of a jet, which fades from half of it on; or distance at which a vortex or a point blows with its strength: inside
         /// it is slower in proportion to the distance. At most half of reach with a vortex or a point.
-        radius: f64 = Length, "m", Absent("a quarter of reach") => |_force| 0.25 * reach;
+        radius: f64 = Length, "m", Derived("a quarter of reach") => |_force| 0.25 * reach;
         /// Way over which air takes the field's wind up, at the strength's speed.
-        uptake: f64 = Length, "m", Absent("radius") => |_force| radius;
+        uptake: f64 = Length, "m", Derived("radius") => |_force| radius;
         /// Largest speed of the field's wind; negative turns it round.
-        strength: Option<f64> = Number, "m/s", Absent("needed without a course");
+        strength: Option<f64> = Number, "m/s", Derived("needed without keyframes");
         /// Keyframes of the strength, in place of a steady one: linear between them, held before and after.
-        course: Vec<Strength> = Tables, "", Absent("a steady strength");
+        keyframes: Vec<Strength> = Tables, "", Derived("a steady strength");
     }
 }
 
 table! {
-    /// One of `[[force.course]]`: linear between two, held before the first and after the last.
+    /// One of `[[force.keyframes]]`: linear between two, held before the first and after the last.
     #[derive(Debug, Clone, Copy, PartialEq)]
     pub struct Strength {
         /// Time of the keyframe; each is later than the one before.
-        time: f64 = NonNegative, "s", Needed;
+        time: f64 = NonNegative, "s", Required;
         /// Strength at that time.
-        strength: f64 = Number, "m/s", Needed;
+        strength: f64 = Number, "m/s", Required;
     }
 }
 
@@ -82,23 +82,23 @@ impl Force {
             let words = format!("expected at most half of reach, {} m, with field \"{word}\"", 0.5 * self.reach);
             return Err(reader.fault("radius", format!("{words}; found {}", self.radius)));
         }
-        match (self.strength, self.course.is_empty()) {
+        match (self.strength, self.keyframes.is_empty()) {
             (None, true) => {
-                return Err(reader.fault("strength", "is missing: expected a number [m/s], or keyframes in course"));
+                return Err(reader.fault("strength", "is missing: expected a number [m/s], or keyframes"));
             }
             (Some(_), false) => {
-                return Err(reader.fault("strength", "expected none beside course, which stands in its place"));
+                return Err(reader.fault("strength", "expected none beside keyframes, which stand in its place"));
             }
             _ => {}
         }
         check_speed(reader, "strength", self.strength.unwrap_or_default())?;
-        for (i, key) in self.course.iter().enumerate() {
-            check_speed(reader, &format!("course.{i}.strength"), key.strength)?;
+        for (i, key) in self.keyframes.iter().enumerate() {
+            check_speed(reader, &format!("keyframes.{i}.strength"), key.strength)?;
         }
-        if let Some(i) = self.course.windows(2).position(|pair| pair[1].time <= pair[0].time) {
-            let (before, after) = (self.course[i].time, self.course[i + 1].time);
+        if let Some(i) = self.keyframes.windows(2).position(|pair| pair[1].time <= pair[0].time) {
+            let (before, after) = (self.keyframes[i].time, self.keyframes[i + 1].time);
             let words = format!("expected a time after that of the keyframe before, {before} s; found {after}");
-            return Err(reader.fault(&format!("course.{}.time", i + 1), words));
+            return Err(reader.fault(&format!("keyframes.{}.time", i + 1), words));
         }
         Ok(self)
     }
@@ -108,7 +108,7 @@ impl Force {
     pub fn keyframes(&self) -> Vec<(f64, f64)> {
         match self.strength {
             Some(steady) => vec![(0.0, steady)],
-            None => self.course.iter().map(|key| (key.time, key.strength)).collect(),
+            None => self.keyframes.iter().map(|key| (key.time, key.strength)).collect(),
         }
     }
 

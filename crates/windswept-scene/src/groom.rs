@@ -8,9 +8,9 @@ use crate::{
     declare::{Keys, words},
     error::SceneError,
     hang::Hung,
-    limits::{LARGEST, MAGNITUDES, MOST_CURVE_POINTS, MOST_HAIR_POINTS, MOST_POINTS_OF_A_STRAND},
+    limits::{LARGEST, MAGNITUDES, MAX_CURVE_POINTS, MAX_HAIR_POINTS, MAX_POINTS_OF_A_STRAND},
     scene::{CLAMPED_TIP, FRICTION, Fibre, Scene, Solver},
-    strand::{Parcel, Shape, frame, turn, turned_onto},
+    strand::{AirParticle, Shape, frame, turn, turned_onto},
     strands::{End, Strands},
 };
 
@@ -262,8 +262,8 @@ impl Groom {
         if self.simulated().next().is_none() {
             return Err(fault("guides", "expected at least one strand that is simulated, found none".to_owned()));
         }
-        if self.simulated_points() > MOST_HAIR_POINTS as usize {
-            let (most, found) = (MOST_HAIR_POINTS, self.simulated_points());
+        if self.simulated_points() > MAX_HAIR_POINTS as usize {
+            let (most, found) = (MAX_HAIR_POINTS, self.simulated_points());
             return Err(fault("points", format!("expected at most {most} points of simulated strands, found {found}")));
         }
         self.group.check("group", strands, "", |_| true)?;
@@ -277,9 +277,9 @@ impl Groom {
         self.fibre.check("fibre", self.len(), "", |_| true)?;
         for (s, fibre) in self.fibre.values().iter().enumerate() {
             let of = self.fibre.of(s);
-            if let Some(misfit) = fibre.misfit() {
-                let words = format!("expected {}, found {}{of}", misfit.expected, misfit.found);
-                return Err(fault(misfit.key, words));
+            if let Some(invalid_value) = fibre.invalid_value() {
+                let words = format!("expected {}, found {}{of}", invalid_value.expected, invalid_value.found);
+                return Err(fault(invalid_value.key, words));
             }
             if fibre.is_overdetermined() {
                 return Err(fault("aspect", format!("{}{of}", Fibre::ROUND)));
@@ -290,8 +290,8 @@ impl Groom {
 
     fn check_points(&self) -> Result<(), SceneError> {
         let points = self.points.len();
-        if points as u64 > MOST_CURVE_POINTS {
-            return Err(fault("points", format!("expected at most {MOST_CURVE_POINTS} points, found {points}")));
+        if points as u64 > MAX_CURVE_POINTS {
+            return Err(fault("points", format!("expected at most {MAX_CURVE_POINTS} points, found {points}")));
         }
         if let Some(i) = self.points.iter().position(|x| !x.iter().all(|x| x.abs() <= LARGEST)) {
             let words = format!("expected finite numbers of at most {:e}, found {:?}", LARGEST, self.points[i]);
@@ -310,9 +310,9 @@ impl Groom {
         }
         for (s, pair) in self.offsets.windows(2).enumerate() {
             let count = i64::from(pair[1]) - i64::from(pair[0]);
-            if !(2..=i64::from(MOST_POINTS_OF_A_STRAND)).contains(&count) {
+            if !(2..=i64::from(MAX_POINTS_OF_A_STRAND)).contains(&count) {
                 let words =
-                    format!("strand {s} has {count} points; expected at least 2, at most {MOST_POINTS_OF_A_STRAND}");
+                    format!("strand {s} has {count} points; expected at least 2, at most {MAX_POINTS_OF_A_STRAND}");
                 return Err(fault("points", words));
             }
             let lengths = self.lengths(s);
@@ -393,7 +393,7 @@ impl Groom {
     pub(crate) fn strands(
         &self,
         scene: &Scene,
-        parcel: Parcel,
+        particle: AirParticle,
         warnings: &mut Vec<String>,
     ) -> Result<Strands, SceneError> {
         self.check()?;
@@ -402,12 +402,12 @@ impl Groom {
             return Err(fault("tip", CLAMPED_TIP.to_owned()));
         }
         let mut all = Strands { point_offsets: vec![0], ..Strands::default() };
-        warnings.extend(self.append(scene, parcel, &mut all).iter().map(|what| format!("groom: {what}")));
+        warnings.extend(self.append(scene, particle, &mut all).iter().map(|what| format!("groom: {what}")));
         Ok(all)
     }
 
     /// Appends the strands of a groom that was checked and are simulated, and returns what a user should know of them.
-    pub(crate) fn append(&self, scene: &Scene, parcel: Parcel, all: &mut Strands) -> Vec<String> {
+    pub(crate) fn append(&self, scene: &Scene, particle: AirParticle, all: &mut Strands) -> Vec<String> {
         let (mut soft, mut unstable, mut loose) = (0, 0, 0);
         let count = self.simulated().count();
         if !self.ids.is_empty() || count < self.len() {
@@ -425,7 +425,7 @@ impl Groom {
                     Hung::Loose => loose += 1,
                 }
             }
-            shape.append(&fibre, parcel, all);
+            shape.append(&fibre, particle, all);
             all.group.push(self.group.get(s));
             all.friction.push(self.friction.get(s));
         }

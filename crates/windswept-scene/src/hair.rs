@@ -11,10 +11,10 @@ use crate::{
     error::SceneError,
     groom::{Groom, PerStrand},
     keys::Key,
-    limits::MOST_HAIR_POINTS,
+    limits::MAX_HAIR_POINTS,
     scatter::{Seat, scatter},
     scene::{Curl, Drawn, Fibre, GroomFile, Hair, HairSource, Patch, RootShape, Roots, Scene},
-    strand::{Parcel, Shape, frame, turn},
+    strand::{AirParticle, Shape, frame, turn},
     strands::{End, Strands},
 };
 
@@ -32,20 +32,20 @@ const COARSE_TURN: f64 = PI / 2.0;
 /// # Errors
 /// [`SceneError`] where a groom file cannot be read, or its strands cannot be simulated, and where roots are on a body that is not
 /// there. Its key is a real path, for [`Scene::located`].
-pub(crate) fn strands(scene: &Scene, parcel: Parcel, warnings: &mut Vec<String>) -> Result<Strands, SceneError> {
+pub(crate) fn strands(scene: &Scene, particle: AirParticle, warnings: &mut Vec<String>) -> Result<Strands, SceneError> {
     let mut all = Strands { point_offsets: vec![0], ..Strands::default() };
     for (group, hair) in scene.hair.iter().enumerate() {
         match &hair.source {
-            HairSource::Drawn(drawn) => draw(scene, group, hair, drawn, parcel, &mut all, warnings)?,
+            HairSource::Drawn(drawn) => draw(scene, group, hair, drawn, particle, &mut all, warnings)?,
             HairSource::File(file) => {
                 let groom = groom(scene, group, hair, file, warnings);
                 let groom = groom.map_err(|error| of_group(group, &file.file, &error))?;
                 let points = all.positions.len() + groom.simulated_points();
-                if points > MOST_HAIR_POINTS as usize {
-                    let words = format!("makes {points} hair points; expected at most {MOST_HAIR_POINTS}");
+                if points > MAX_HAIR_POINTS as usize {
+                    let words = format!("makes {points} hair points; expected at most {MAX_HAIR_POINTS}");
                     return Err(SceneError::new(words).at(format!("hair.{group}.strands"), None));
                 }
-                let notes = groom.append(scene, parcel, &mut all);
+                let notes = groom.append(scene, particle, &mut all);
                 warnings.extend(notes.iter().map(|note| format!("{}: {note}", scene.called(group))));
             }
         }
@@ -128,7 +128,7 @@ fn draw(
     group: usize,
     hair: &Hair,
     drawn: &Drawn,
-    parcel: Parcel,
+    particle: AirParticle,
     all: &mut Strands,
     warnings: &mut Vec<String>,
 ) -> Result<(), SceneError> {
@@ -159,7 +159,7 @@ fn draw(
         let phase = rng.random::<f64>();
         let root_frame = turn * drawn.root_frame(axis, phase);
         let shape = drawn.shape(root, root_frame, length, [hair.root, hair.tip]);
-        shape.append(&hair.fibre, parcel, all);
+        shape.append(&hair.fibre, particle, all);
         all.group.push(group as u32);
         all.ids.push(i);
         all.groups.push(group as u32);

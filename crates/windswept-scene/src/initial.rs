@@ -10,10 +10,10 @@ use crate::{
     error::SceneError,
     groom::Groom,
     hair,
-    limits::{DEEPEST_ROOT, MOST_AIR_PARTICLES},
+    limits::{DEEPEST_ROOT, MAX_AIR_PARTICLES},
     reach,
     scene::{Air, Model, Scene},
-    strand::Parcel,
+    strand::AirParticle,
     strands::{Ends, Strands},
     warnings,
 };
@@ -50,10 +50,10 @@ pub struct AirParticles {
     /// Mass m of every particle \[kg\], ρ0 V.
     pub mass: f64,
 }
-fn parcel(scene: &Scene) -> Parcel {
+fn particle_volume(scene: &Scene) -> AirParticle {
     match &scene.air {
-        Some(air) => Parcel { volume: air.parcel(), kernel_radius: air.kernel_radius },
-        None => Parcel { volume: Air::PARCEL, kernel_radius: Air::KERNEL_RADIUS },
+        Some(air) => AirParticle { volume: air.particle_volume(), kernel_radius: air.kernel_radius },
+        None => AirParticle { volume: Air::PARTICLE_VOLUME, kernel_radius: Air::KERNEL_RADIUS },
     }
 }
 
@@ -71,9 +71,9 @@ impl AirParticles {
         if self.positions.is_empty() {
             return Ok(());
         }
-        if self.positions.len() > MOST_AIR_PARTICLES as usize {
+        if self.positions.len() > MAX_AIR_PARTICLES as usize {
             let found = self.positions.len();
-            return fault(format!("positions: expected at most {MOST_AIR_PARTICLES} rows, found {found}"));
+            return fault(format!("positions: expected at most {MAX_AIR_PARTICLES} rows, found {found}"));
         }
         let good = |x: f64| x.is_finite() && x > 0.0;
         if ![self.volume, self.mass, self.size.x, self.size.y, self.size.z].into_iter().all(good) {
@@ -108,7 +108,7 @@ impl InitialState {
     /// what `f32` holds. It has the line of its key where the scene has a text, and none where the scene was made in code.
     pub fn new(scene: &Scene) -> Result<Self, SceneError> {
         let mut warnings = Vec::new();
-        let hair = hair::strands(scene, parcel(scene), &mut warnings).map_err(|error| scene.located(error))?;
+        let hair = hair::strands(scene, particle_volume(scene), &mut warnings).map_err(|error| scene.located(error))?;
         Self::with_hair(scene, hair, warnings)
     }
 
@@ -118,7 +118,7 @@ impl InitialState {
     /// As [`Self::new`] and [`Groom::check`].
     pub fn with_groom(scene: &Scene, groom: &Groom) -> Result<Self, SceneError> {
         let mut warnings = Vec::new();
-        let hair = groom.strands(scene, parcel(scene), &mut warnings)?;
+        let hair = groom.strands(scene, particle_volume(scene), &mut warnings)?;
         let state = Self::with_hair(&Scene { hair: Vec::new(), ..scene.clone() }, hair, warnings)?;
         Ok(Self { followers: groom.followers()?, ..state })
     }

@@ -45,13 +45,13 @@ pub enum Kind {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fallback<T> {
     /// The file must say.
-    Needed,
+    Required,
     /// This value.
     Value(T),
     /// A value by `method`: of the accurate one, of the published one.
     Method(T, T),
     /// No value of its own; the text says what then happens.
-    Absent(&'static str),
+    Derived(&'static str),
 }
 
 /// A key.
@@ -82,17 +82,17 @@ impl<T> Fallback<T> {
         match self {
             Self::Value(value) => Some(value),
             Self::Method(accurate, of_paper) => Some(if published { of_paper } else { accurate }),
-            Self::Needed | Self::Absent(_) => None,
+            Self::Required | Self::Derived(_) => None,
         }
     }
 
     /// The fallback with other values.
     pub(crate) fn map<U>(self, change: impl Fn(T) -> U) -> Fallback<U> {
         match self {
-            Self::Needed => Fallback::Needed,
+            Self::Required => Fallback::Required,
             Self::Value(value) => Fallback::Value(change(value)),
             Self::Method(accurate, published) => Fallback::Method(change(accurate), change(published)),
-            Self::Absent(text) => Fallback::Absent(text),
+            Self::Derived(text) => Fallback::Derived(text),
         }
     }
 }
@@ -110,7 +110,7 @@ impl Key {
         match &self.default {
             Fallback::Value(text) => Some(text),
             Fallback::Method(best, published) => Some(if accurate { best } else { published }),
-            Fallback::Needed | Fallback::Absent(_) => None,
+            Fallback::Required | Fallback::Derived(_) => None,
         }
     }
 
@@ -173,9 +173,9 @@ pub fn explain() -> String {
 
 fn explained(key: &Key) -> String {
     let default = match &key.default {
-        Fallback::Needed => "needed".to_owned(),
+        Fallback::Required => "needed".to_owned(),
         Fallback::Value(value) => format!("default {value}"),
-        Fallback::Absent(without) => format!("without it: {without}"),
+        Fallback::Derived(without) => format!("without it: {without}"),
         Fallback::Method(accurate, published) => format!("default {accurate} (accurate), {published} (published)"),
     };
     match key.kind {

@@ -8,7 +8,7 @@ use crate::{
     declare::{Field, Row, table},
     error::SceneError,
     keys::{
-        Fallback::{Needed, Value},
+        Fallback::{Required, Value},
         Key,
         Kind::{NonNegative, Vector},
     },
@@ -31,7 +31,7 @@ table! {
     #[derive(Debug, Clone, Copy, PartialEq)]
     pub struct Keyframe {
         /// Time of the keyframe; each is later than the one before.
-        time: f64 = NonNegative, "s", Needed;
+        time: f64 = NonNegative, "s", Required;
         /// Translation T from the position that the scene gives; tips of strands that are held stay.
         translation: [f64; 3] = Vector, "m", Value([0.0; 3]);
         /// Rotation vector of R, axis times angle, about the thing's centre.

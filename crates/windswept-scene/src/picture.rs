@@ -6,10 +6,10 @@ use crate::{
     declare::{table, words},
     error::SceneError,
     keys::{
-        Fallback::{Absent, Value},
+        Fallback::{Derived, Value},
         Kind::{Choice, Count, Positive, Table, Vector},
     },
-    limits::{LEAST_PIXELS, MOST_HAIRS, MOST_PIXELS},
+    limits::{MAX_HAIRS, MAX_PIXELS, MIN_PIXELS},
     reader::Reader,
     scene::{Law, Scene},
 };
@@ -19,13 +19,13 @@ table! {
     #[derive(Debug, Clone, Copy, PartialEq)]
     pub struct Camera, checked by Camera::checked {
         /// Place and aim of the camera; `None` frames the hair.
-        look_at as "": Option<LookAt> = Table, "", Absent("");
+        look_at as "": Option<LookAt> = Table, "", Derived("");
         /// Vertical field of view, below 180.
         fov: f64 = Positive, "°", Value(26.0);
         /// Width of a picture.
-        width: u32 = Count(LEAST_PIXELS, MOST_PIXELS), "px", Value(960);
+        width: u32 = Count(MIN_PIXELS, MAX_PIXELS), "px", Value(960);
         /// Height of a picture.
-        height: u32 = Count(LEAST_PIXELS, MOST_PIXELS), "px", Value(540);
+        height: u32 = Count(MIN_PIXELS, MAX_PIXELS), "px", Value(540);
     }
 }
 
@@ -34,9 +34,9 @@ table! {
     #[derive(Debug, Clone, Copy, PartialEq)]
     pub struct LookAt, checked by LookAt::checked {
         /// Place of the camera; eye and target go together.
-        eye: [f64; 3] = Vector, "m", Absent("frames the hair") => |camera| without(camera, "eye")?;
+        eye: [f64; 3] = Vector, "m", Derived("frames the hair") => |camera| without(camera, "eye")?;
         /// Point that the camera looks at.
-        target: [f64; 3] = Vector, "m", Absent("frames the hair") => |camera| without(camera, "target")?;
+        target: [f64; 3] = Vector, "m", Derived("frames the hair") => |camera| without(camera, "target")?;
     }
 }
 
@@ -49,7 +49,7 @@ table! {
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
     pub struct Picture {
         /// Hairs drawn in all, the strands and others that follow them; where a groom file has others, those first.
-        hairs: u32 = Count(1, MOST_HAIRS), "", Value(20_000);
+        hairs: u32 = Count(1, MAX_HAIRS), "", Value(20_000);
         /// Colour of the air particles, or none of them.
         air: AirPicture = Choice(AirPicture::WORDS), "", Value(AirPicture::None);
     }

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::{
     error::SceneError,
-    limits::LEAST_BOX_SIDE,
+    limits::MIN_BOX_SIDE,
     motion::Motion,
     scene::{Air, Bounds, Scene},
     strands::{End, Strands},
@@ -34,7 +34,7 @@ pub(crate) fn cut(scene: &Scene, air: &Air, bounds: Bounds, hair: &Strands) -> R
     let from = (low - margin - entered(1.0)).clamp(min, max);
     let to = (high + margin + entered(-1.0)).clamp(min, max);
     // A box must hold a few kernels.
-    let short = |from: DVec3, to: DVec3| (LEAST_BOX_SIDE * air.kernel_radius - (to - from)).max(DVec3::ZERO);
+    let short = |from: DVec3, to: DVec3| (MIN_BOX_SIDE * air.kernel_radius - (to - from)).max(DVec3::ZERO);
     let from = (from - short(from, to)).max(min);
     let to = (to + short(from, to)).min(max);
     let cut = Bounds { min: from.to_array(), max: to.to_array() };

@@ -24,11 +24,11 @@ use crate::{
     error::SceneError,
     force::Force,
     keys::{
-        Fallback::{self, Absent, Needed, Value},
+        Fallback::{self, Derived, Required, Value},
         Key,
         Kind::{Bool, Choice, Count, NonNegative, Positive, Table, Tables, Text, Vector},
     },
-    limits::{LEAST_COARSE_RADIUS, MOST_COURSE_KEYFRAMES, MOST_HAIR_POINTS, MOST_PRESSURE_ITERATIONS, MOST_REPEATS},
+    limits::{MAX_HAIR_POINTS, MAX_PRESSURE_ITERATIONS, MAX_REPEATS, MAX_STRENGTH_KEYFRAMES, MIN_COARSE_RADIUS},
     picture::{Camera, Picture},
     reader::Reader,
     scatter::area,
@@ -50,7 +50,7 @@ table! {
     #[derive(Debug, Clone, PartialEq)]
     pub struct Scene, checked by Scene::checked {
         /// Text that the scene was read from.
-        text as "": Source = Text, "", Absent("");
+        text as "": Source = Text, "", Derived("");
         /// Free text, shown in reports.
         title: String = Text, "", Value(String::new());
         /// Method that sets the defaults of eight keys: interaction.model, fluid.solver, rods.solver, rods.integrator,
@@ -61,29 +61,29 @@ table! {
         /// Seed that draws root positions, length variation, curl phase, inflow turbulence.
         seed: u64 = Count(0, u32::MAX), "", Value(SEED);
         /// Step, duration, frames.
-        time: Time = Table, "", Needed;
+        time: Time = Table, "", Required;
         /// Groups of strands; several as `[[hair]]`, each with a name.
-        hair: Vec<Hair> = Tables, "", Absent("no hair but a groom that code gives; the command needs hair");
+        hair: Vec<Hair> = Tables, "", Derived("no hair but a groom that code gives; the command needs hair");
         /// Bodies that hair and air stay out of; several as `[[body]]`, each with a name.
-        bodies as "body": Vec<Body> = Tables, "", Absent("no bodies");
+        bodies as "body": Vec<Body> = Tables, "", Derived("no bodies");
         /// Force fields: winds of their own; several as `[[force]]`, each with a name.
-        forces as "force": Vec<Force> = Tables, "", Absent("no force fields");
+        forces as "force": Vec<Force> = Tables, "", Derived("no force fields");
         /// Wind and air particles.
-        air: Option<Air> = Table, "", Absent("with model none only");
+        air: Option<Air> = Table, "", Derived("with model none only");
         /// Interaction of hair and air.
-        interaction: Interaction = Table, "", Absent("its defaults");
+        interaction: Interaction = Table, "", Derived("its defaults");
         /// Density constraint (eq. 1).
-        fluid: Fluid = Table, "", Absent("its defaults");
+        fluid: Fluid = Table, "", Derived("its defaults");
         /// Vorticity confinement (eqs. 2-6).
-        turbulence: Turbulence = Table, "", Absent("no confinement");
+        turbulence: Turbulence = Table, "", Derived("no confinement");
         /// XSPH viscosity (eqs. 7, 8).
-        viscosity: Viscosity = Table, "", Absent("its defaults");
+        viscosity: Viscosity = Table, "", Derived("its defaults");
         /// Cosserat rods.
-        rods: Rods = Table, "", Absent("its defaults");
+        rods: Rods = Table, "", Derived("its defaults");
         /// Camera that pictures are taken with.
-        camera: Camera = Table, "", Absent("its defaults");
+        camera: Camera = Table, "", Derived("its defaults");
         /// Contents of pictures.
-        picture: Picture = Table, "", Absent("its defaults");
+        picture: Picture = Table, "", Derived("its defaults");
     }
 }
 
@@ -131,11 +131,11 @@ table! {
     #[derive(Debug, Clone, PartialEq)]
     pub struct Time, checked by Time::checked {
         /// Step Δt as written; the engine runs `substeps` whole steps of `step / substeps`.
-        step: f64 = Positive, "s", Needed;
+        step: f64 = Positive, "s", Required;
         /// Whole steps of Δt/n per Δt; the engine takes more where strands of very short segments need them.
-        substeps: u32 = Count(1, MOST_REPEATS), "", Value(1);
+        substeps: u32 = Count(1, MAX_REPEATS), "", Value(1);
         /// Length of the run.
-        duration: f64 = Positive, "s", Needed;
+        duration: f64 = Positive, "s", Required;
         /// Exported frames per second.
         frame_rate: f64 = Positive, "1/s", Value(60.0);
     }
@@ -210,11 +210,11 @@ table! {
         /// Solver of the air: a constraint on how its velocity diverges, or one on its density by moves (position-based fluids).
         solver: FluidSolver = Choice(FluidSolver::WORDS), "", Fallback::Method(FluidSolver::Divergence, FluidSolver::Pbf);
         /// Iterations of the pressure of solver divergence.
-        pressure_iterations: Option<u32> = Count(1, MOST_PRESSURE_ITERATIONS), "", Absent("2, or 4 with model particles");
+        pressure_iterations: Option<u32> = Count(1, MAX_PRESSURE_ITERATIONS), "", Derived("2, or 4 with model particles");
         /// Whether solver divergence solves for the pressure on a coarse grid first; not with model particles.
         coarse: bool = Bool, "", Value(true);
         /// Jacobi iterations of the density constraint: of solver pbf, and of hair on hair with model two-way; 0 leaves it out.
-        iterations: u32 = Count(0, MOST_REPEATS), "", Value(2);
+        iterations: u32 = Count(0, MAX_REPEATS), "", Value(2);
         /// Fraction of a Jacobi step that the density constraint takes.
         relaxation: f64 = Positive, "", Value(0.5);
     }
@@ -248,7 +248,11 @@ impl Scene {
             Some("fluid.coarse is false")
         } else if self.interaction.model == Model::Particles {
             Some("interaction.model is particles: the coarse grid does not know hair")
-        } else if self.air.as_ref().is_some_and(|air| air.kernel_radius < LEAST_COARSE_RADIUS * air.parcel().cbrt()) {
+        } else if self
+            .air
+            .as_ref()
+            .is_some_and(|air| air.kernel_radius < MIN_COARSE_RADIUS * air.particle_volume().cbrt())
+        {
             Some("air.kernel_radius is below 1.5 particle spacings, too few neighbours for the coarse grid's pressure")
         } else {
             None
@@ -377,17 +381,17 @@ impl Scene {
         let mut keyframes = 0;
         for (i, force) in self.forces.iter().enumerate() {
             keyframes += force.keyframes().len();
-            if keyframes > MOST_COURSE_KEYFRAMES {
+            if keyframes > MAX_STRENGTH_KEYFRAMES {
                 let words =
-                    format!("makes {keyframes} keyframes of force fields; expected at most {MOST_COURSE_KEYFRAMES}");
-                return Err(reader.fault(&format!("force.{i}.course"), words));
+                    format!("makes {keyframes} keyframes of force fields; expected at most {MAX_STRENGTH_KEYFRAMES}");
+                return Err(reader.fault(&format!("force.{i}.keyframes"), words));
             }
         }
         let mut points = 0u64;
         for (i, hair) in self.hair.iter().enumerate() {
             points += hair.drawn().map_or(0, |drawn| u64::from(drawn.strands) * u64::from(drawn.points));
-            if points > u64::from(MOST_HAIR_POINTS) {
-                let words = format!("makes {points} hair points; expected at most {MOST_HAIR_POINTS}");
+            if points > u64::from(MAX_HAIR_POINTS) {
+                let words = format!("makes {points} hair points; expected at most {MAX_HAIR_POINTS}");
                 return Err(reader.fault(&format!("hair.{i}.strands"), words));
             }
         }

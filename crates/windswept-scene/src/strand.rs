@@ -48,7 +48,7 @@ impl Fibre {
 
 /// A parcel of air that a hair point stands in.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Parcel {
+pub(crate) struct AirParticle {
     /// Volume of an air particle \[m³\].
     pub(crate) volume: f64,
     /// Kernel radius \[m\].
@@ -75,8 +75,8 @@ pub(crate) struct Shape {
 }
 
 impl Shape {
-    /// Appends the strand, made of `fibre` and standing in `parcel`s, to `all`.
-    pub(crate) fn append(&self, fibre: &Fibre, parcel: Parcel, all: &mut Strands) {
+    /// Appends the strand, made of `fibre` and standing in `particle`s, to `all`.
+    pub(crate) fn append(&self, fibre: &Fibre, particle: AirParticle, all: &mut Strands) {
         let segments = self.lengths.len();
         let part = |at: f64| at / segments as f64;
         let masses = self.masses(fibre);
@@ -89,7 +89,7 @@ impl Shape {
             all.positions.push(*x);
             all.velocities.push(DVec3::ZERO);
             all.inverse_mass.push(if held { 0.0 } else { 1.0 / masses[i] });
-            all.volume.push(parcel.volume * (length / parcel.kernel_radius).min(1.0));
+            all.volume.push(particle.volume * (length / particle.kernel_radius).min(1.0));
         }
         for (k, &l) in self.lengths.iter().enumerate() {
             let (stretch, shear) = fibre.stretch(part(k as f64 + 0.5));

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use crate::{
     declare::words,
     error::SceneError,
-    limits::{MOST_HAIR_POINTS, MOST_POINTS_OF_A_STRAND, STRAND_MAGNITUDES},
+    limits::{MAX_HAIR_POINTS, MAX_POINTS_OF_A_STRAND, STRAND_MAGNITUDES},
     scene::{FRICTION, Hair, Scene},
 };
 
@@ -217,12 +217,12 @@ impl Strands {
         if self.point_offsets.last().copied().unwrap_or_default() as usize != points {
             return fault(format!("point_offsets: expected to end at the {points} rows of positions"));
         }
-        if points > MOST_HAIR_POINTS as usize {
-            return fault(format!("positions: expected at most {MOST_HAIR_POINTS} rows, found {points}"));
+        if points > MAX_HAIR_POINTS as usize {
+            return fault(format!("positions: expected at most {MAX_HAIR_POINTS} rows, found {points}"));
         }
-        let long = self.point_offsets.windows(2).position(|pair| pair[1] - pair[0] > MOST_POINTS_OF_A_STRAND);
+        let long = self.point_offsets.windows(2).position(|pair| pair[1] - pair[0] > MAX_POINTS_OF_A_STRAND);
         if let Some(s) = long {
-            return fault(format!("point_offsets: expected at most {MOST_POINTS_OF_A_STRAND} points of strand {s}"));
+            return fault(format!("point_offsets: expected at most {MAX_POINTS_OF_A_STRAND} points of strand {s}"));
         }
         let segments = points - strands;
         for (name, found, expected) in [

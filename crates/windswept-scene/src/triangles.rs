@@ -16,7 +16,7 @@ pub use distance::DistanceGrid;
 use crate::{
     curves,
     error::SceneError,
-    limits::{LARGEST, MOST_TRIANGLES},
+    limits::{LARGEST, MAX_TRIANGLES},
     scene::Up,
 };
 
@@ -185,8 +185,8 @@ impl Triangles {
 
     fn checked(mut self) -> Result<Self, SceneError> {
         let (points, triangles) = (self.points.len(), self.corners.len());
-        if triangles == 0 || triangles > MOST_TRIANGLES {
-            return Err(SceneError::new(format!("expected 1 to {MOST_TRIANGLES} triangles, found {triangles}")));
+        if triangles == 0 || triangles > MAX_TRIANGLES {
+            return Err(SceneError::new(format!("expected 1 to {MAX_TRIANGLES} triangles, found {triangles}")));
         }
         check_indices(&self.corners, points)?;
         if let Some(i) = self.points.iter().position(|x| !(x.abs().max_element() <= LARGEST && x.is_finite())) {

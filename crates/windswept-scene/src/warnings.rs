@@ -6,7 +6,7 @@ use crate::{
     body::{Shape, blocked},
     force::ForceField,
     initial::AirParticles,
-    limits::MOST_REPEATS,
+    limits::MAX_REPEATS,
     reach,
     scene::{Air, Bounds, FRICTION, FluidSolver, Law, Model, Scene},
     solid,
@@ -96,7 +96,7 @@ fn of_eddies(scene: &Scene, air: &Air) -> Option<String> {
         return None;
     }
     let needed = (wanted * scene.time.step / air.kernel_radius).ceil();
-    let what = if needed <= f64::from(MOST_REPEATS) {
+    let what = if needed <= f64::from(MAX_REPEATS) {
         format!("take time.substeps = {needed}, or a smaller intensity")
     } else {
         "take a smaller intensity".to_owned()
@@ -110,16 +110,16 @@ fn of_eddies(scene: &Scene, air: &Air) -> Option<String> {
 
 /// A warning where the mean wind and a force field carry air farther in a substep than its pressure keeps up with.
 pub(crate) fn of_wind(scene: &Scene, air: &Air) -> Option<String> {
-    let way = scene.largest_wind() * scene.time.step / air.parcel().cbrt();
+    let way = scene.largest_wind() * scene.time.step / air.particle_volume().cbrt();
     let most = farthest(scene);
     if way <= most * f64::from(scene.time.substeps) {
         return None;
     }
     let needed = (way / most).ceil();
-    let what = if needed <= f64::from(MOST_REPEATS) {
+    let what = if needed <= f64::from(MAX_REPEATS) {
         format!("take time.substeps = {needed}")
     } else {
-        format!("more substeps than there may be, {MOST_REPEATS}, would do")
+        format!("more substeps than there may be, {MAX_REPEATS}, would do")
     };
     Some(format!(
         "air moves {:.2} particle spacings in a step, where its pressure keeps up with at most {most}: {what}",
@@ -302,7 +302,7 @@ pub(crate) fn of_way_beside(scene: &Scene, air: &Air) -> Vec<String> {
     }
     let each = scene.bodies.iter().filter_map(|body| {
         let speed = air.fastest_past(&body.motion);
-        let spacing = air.parcel().cbrt();
+        let spacing = air.particle_volume().cbrt();
         let round = body.shape.solid().is_none().then(|| WAY_BY_RADIUS * body.shape.inradius());
         let (most, of) = match round {
             Some(way) if way < WAY * spacing => (way, "a quarter of its radius"),

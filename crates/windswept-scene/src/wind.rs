@@ -20,7 +20,7 @@ const WAVES: usize = 64;
 const SPREAD: std::ops::Range<f64> = 0.6..1.5;
 
 /// Gain of the band for the waves at the ends of that spread.
-const LEAST_GAIN: f64 = 0.64;
+const MIN_GAIN: f64 = 0.64;
 
 /// A wave of inflow turbulence: u' = |U| a sin(k · (x − ∫U dt) + φ).
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,7 +59,7 @@ impl Inflow {
         };
         let mut waves: Vec<InflowWave> = (0..WAVES).map(|_| wave()).collect();
         // Of a wave of amplitude a the band has the mean square (a gain)²/2. A box too small for the eddies has waves outside the band.
-        let gain = |wave: &InflowWave| hat_gain(self.scale * wave.number.length()).max(LEAST_GAIN);
+        let gain = |wave: &InflowWave| hat_gain(self.scale * wave.number.length()).max(MIN_GAIN);
         let mean_square: f64 = waves.iter().map(|wave| 0.5 * gain(wave).powi(2)).sum();
         let amplitude = self.intensity / mean_square.sqrt();
         waves.iter_mut().for_each(|wave| wave.amplitude *= amplitude);

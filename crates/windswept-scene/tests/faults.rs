@@ -50,7 +50,7 @@ const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
     ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, 0, 0]\ninflow = { intensity = 1e18, scale = 0.05 }", 14, "air.inflow.intensity", &["expected at most 1e4 m/s, found 3e18 m/s"]),
     ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, 0, 0]\ngust = [{ time = 1, velocity = [998, 0, 0] }]\ninflow = { intensity = 10, scale = 0.05 }", 15, "air.inflow.intensity", &["expected at most 1e4 m/s, found 10010.0 m/s"]),
     ("[air]", "[[force]]\nfield = \"point\"\norigin = [0, 0, 0]\nreach = 0.1\nstrength = -1e18\n[air]", 15, "force.strength", &["at most 1e4 m/s, found 1e18 m/s"]),
-    ("[air]", "[[force]]\nfield = \"point\"\norigin = [0, 0, 0]\nreach = 0.1\ncourse = [{ time = 1, strength = 10001 }]\n[air]", 15, "force.course.0.strength", &["at most 1e4 m/s, found 10001.0 m/s"]),
+    ("[air]", "[[force]]\nfield = \"point\"\norigin = [0, 0, 0]\nreach = 0.1\nkeyframes = [{ time = 1, strength = 10001 }]\n[air]", 15, "force.keyframes.0.strength", &["at most 1e4 m/s, found 10001.0 m/s"]),
     ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, 0.0]", 13, "air.wind", &["three numbers", "[3.0, 0.0]"]),
     ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, \"a\", 0.0]", 13, "air.wind", &["three numbers", "found in y \"a\""]),
     ("wind = [3.0, 0.0, 0.0]", "", 11, "air.wind", &["is missing"]),
@@ -129,9 +129,9 @@ const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
     ("[air]", "[[force]]\nfield = \"jet\"\norigin = [0, 0, 0]\naxis = [0, 0, 0]\n[air]", 14, "force.axis", &["not all 0"]),
     ("[air]", "[[force]]\nfield = \"jet\"\norigin = [0, 0, 0]\naxis = [1, 0, 0]\nreach = 0\n[air]", 15, "force.reach", &["greater than 0, found 0"]),
     ("[air]", "[[force]]\nfield = \"jet\"\norigin = [0, 0, 0]\naxis = [1, 0, 0]\nreach = 0.1\nstrength = nan\n[air]", 16, "force.strength", &["expected a number [m/s], found nan"]),
-    ("[air]", "[[force]]\nfield = \"jet\"\norigin = [0, 0, 0]\naxis = [1, 0, 0]\nreach = 0.1\n[air]", 11, "force.strength", &["is missing", "course"]),
-    ("[air]", "[[force]]\nfield = \"jet\"\norigin = [0, 0, 0]\naxis = [1, 0, 0]\nreach = 0.1\nstrength = 1\ncourse = [{ time = 0, strength = 1 }]\n[air]", 16, "force.strength", &["beside course"]),
-    ("[air]", "[[force]]\nfield = \"jet\"\norigin = [0, 0, 0]\naxis = [1, 0, 0]\nreach = 0.1\ncourse = [{ time = 2, strength = 1 }, { time = 1, strength = 2 }]\n[air]", 16, "force.course.1.time", &["after that of the keyframe before, 2 s; found 1"]),
+    ("[air]", "[[force]]\nfield = \"jet\"\norigin = [0, 0, 0]\naxis = [1, 0, 0]\nreach = 0.1\n[air]", 11, "force.strength", &["is missing", "keyframes"]),
+    ("[air]", "[[force]]\nfield = \"jet\"\norigin = [0, 0, 0]\naxis = [1, 0, 0]\nreach = 0.1\nstrength = 1\nkeyframes = [{ time = 0, strength = 1 }]\n[air]", 16, "force.strength", &["beside keyframes"]),
+    ("[air]", "[[force]]\nfield = \"jet\"\norigin = [0, 0, 0]\naxis = [1, 0, 0]\nreach = 0.1\nkeyframes = [{ time = 2, strength = 1 }, { time = 1, strength = 2 }]\n[air]", 16, "force.keyframes.1.time", &["after that of the keyframe before, 2 s; found 1"]),
     ("[air]", "[[force]]\nfield = \"vortex\"\norigin = [0, 0, 0]\naxis = [1, 0, 0]\nreach = 0.1\nradius = 0.06\nstrength = 1\n[air]", 16, "force.radius", &["at most half of reach, 0.05 m, with field \"vortex\"; found 0.06"]),
     ("[air]", "[[force]]\nfield = \"jet\"\norigin = [0, 0, 0]\naxis = [1, 0, 0]\nreach = 0.1\nstrength = 1\n[[force]]\nfield = \"jet\"\norigin = [0, 0, 0]\naxis = [1, 0, 0]\nreach = 0.1\nstrength = 1\n[air]", 17, "force.1.name", &["a name of its own for each [[force]]"]),
     // Eddies and drag.
@@ -376,15 +376,15 @@ fn tables_are_counted_before_they_are_looked_at() {
 fn keyframes_are_counted() {
     let keyframes = |count: usize, what: &str| (0..count).map(|k| format!("{{time={k},{what}}},")).collect::<String>();
     let field = |name, count| {
-        let course = keyframes(count, "strength=1.0");
+        let keyframes = keyframes(count, "strength=1.0");
         format!(
-            "[[force]]\nname = \"{name}\"\nfield = \"point\"\norigin = [0, 0, 0]\nreach = 0.1\ncourse = [{course}]\n"
+            "[[force]]\nname = \"{name}\"\nfield = \"point\"\norigin = [0, 0, 0]\nreach = 0.1\nkeyframes = [{keyframes}]\n"
         )
     };
     for (text, words) in [
         (
             field("a", 9000) + &field("b", 9000),
-            "force.b.course: makes 18000 keyframes of force fields; expected at most 16384",
+            "force.b.keyframes: makes 18000 keyframes of force fields; expected at most 16384",
         ),
         (
             format!("gust = [{}]\n", keyframes(17_000, "velocity=[1,0,0]")),

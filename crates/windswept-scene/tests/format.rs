@@ -94,9 +94,9 @@ fn explain_lists_every_key_with_type_unit_default_and_help() {
             assert!(shown.contains(&key.expected()), "{shown}");
         }
         match &key.default {
-            Fallback::Needed => assert!(shown.contains("needed"), "{shown}"),
+            Fallback::Required => assert!(shown.contains("needed"), "{shown}"),
             Fallback::Value(text) => assert!(shown.contains(text), "{shown}"),
-            Fallback::Absent(text) => assert!(shown.contains(text), "{shown}"),
+            Fallback::Derived(text) => assert!(shown.contains(text), "{shown}"),
             Fallback::Method(..) => {
                 assert!(shown.contains(key.default_of(true).unwrap()), "{shown}")
             }
@@ -233,7 +233,7 @@ fn a_scene_written_out_is_the_same_scene() {
     );
     let forces = format!(
         "{LEAST}\n[[force]]\nname = \"fan\"\nfield = \"jet\"\norigin = [0, 0.1, 0]\naxis = [1, 2, 0]\nreach = 0.2\n\
-         course = [{{ time = 0, strength = -1 }}, {{ time = 1, strength = 2 }}]\n\
+         keyframes = [{{ time = 0, strength = -1 }}, {{ time = 1, strength = 2 }}]\n\
          [[force]]\nfield = \"point\"\norigin = [0, 0, 0]\nreach = 0.1\nradius = 0.05\nuptake = 0.02\nstrength = 0\n"
     );
     let camera = ["camera.eye=[1,2,3]", "camera.target=[0,0,0.1]", "camera.fov=40"];

@@ -414,12 +414,12 @@ fn groups_and_places_of_roots_come_back() {
     let said = GroomFile { points: None, ..file.clone() }.groom(1).unwrap_err().to_string();
     assert!(said.ends_with("expected guides that can be simulated: 1 not finite, 1 with doubled points"), "{said}");
     curves.save(&path).unwrap();
-    for (spoilt, name) in [
+    for (invalid, name) in [
         (Curves { groups: vec![1], ..curves.clone() }, "groups"),
         (Curves { root_uvs: vec![[0.0; 2]; 5], ..curves.clone() }, "root_uvs"),
         (Curves { guides: vec![true; 3], ..curves.clone() }, "guides"),
     ] {
-        let error = spoilt.save(&path).unwrap_err();
+        let error = invalid.save(&path).unwrap_err();
         assert!(error.message().contains(&format!("{name}: expected 4, one a strand")), "{error}");
     }
 }

@@ -9,7 +9,7 @@ use std::{fs, io::Cursor};
 use common::{Folder, deflated, zeros_of};
 use rand::{RngCore, SeedableRng};
 use rand_pcg::Pcg64;
-use windswept_scene::{Curves, limits::MOST_PACKED_NUMBERS};
+use windswept_scene::{Curves, limits::MAX_PACKED_NUMBERS};
 
 /// Reads a file; returns how much memory that took at most [bytes].
 fn taken(path: &std::path::Path, strands: usize) -> u64 {
@@ -59,7 +59,7 @@ fn compressed_arrays_are_in_memory_once() {
 /// However many zeros a small file stands for, they take less than 0.3 GB.
 fn what_a_small_file_stands_for_is_bounded() {
     let folder = Folder::new();
-    let strands = (MOST_PACKED_NUMBERS / 3) as usize;
+    let strands = (MAX_PACKED_NUMBERS / 3) as usize;
     let shapes = [
         ("points", &[strands, 1, 3][..]),
         ("ids", &[strands][..]),

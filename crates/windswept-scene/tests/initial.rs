@@ -21,7 +21,7 @@ fn quick_is_what_it_says() {
     let size = state.air.size;
     assert!(state.hair.positions.iter().all(|x| x.cmpgt(DVec3::ZERO).all() && x.cmplt(size).all()));
     // They fill less than half of the cross-section: 113 mm³ over 10 mm each.
-    let filled = state.hair.len() as f64 * air.parcel() / 0.01;
+    let filled = state.hair.len() as f64 * air.particle_volume() / 0.01;
     assert!(filled < 0.5 * size.y * size.z, "{filled} m²");
 }
 
@@ -73,7 +73,7 @@ fn air_has_its_density_and_leaves_room_for_hair() {
         assert_close(air.mass, 1.29 * air.volume, "mass");
         // On the lattice, all of it but what is nearer than 0.62 d to a hair point.
         let pitch = air.size / DVec3::from_array(counts.map(f64::from));
-        let reach = 0.62 * scene.air.as_ref().unwrap().parcel().cbrt();
+        let reach = 0.62 * scene.air.as_ref().unwrap().particle_volume().cbrt();
         let near = |x: DVec3| state.hair.positions.iter().any(|hair| hair.distance(x) < reach);
         let mut left_out = 0;
         for x in &air.positions {
@@ -246,7 +246,7 @@ fn a_user_is_warned() {
 fn a_warning_has_the_spacing_of_the_box() {
     let (scene, state) = brush(&["turbulence={bands=[{scale=0.003,strength=3,intensity=0.3}]}"]);
     let [filled, parcels] =
-        [state.air.volume, scene.air.unwrap().parcel()].map(|volume| format!("{:.2e} m", volume.cbrt()));
+        [state.air.volume, scene.air.unwrap().particle_volume()].map(|volume| format!("{:.2e} m", volume.cbrt()));
     assert_ne!(filled, parcels, "the box would have to be another one");
     let words = format!("is below what particles {filled} apart can carry");
     assert!(state.warnings.iter().any(|warning| warning.contains(&words)), "{words}: {:?}", state.warnings);

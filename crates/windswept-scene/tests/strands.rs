@@ -203,7 +203,7 @@ fn direct_stiffnesses_are_taken_as_they_are() {
 
 /// A hair point's parcel: V_air min(1, l/h).
 #[test]
-fn parcels_shrink_with_the_spacing() {
+fn volumes_of_points_shrink_with_their_spacing() {
     let volume = 1.46e-7 / 1.29;
     assert!(fibres(&[]).volume.iter().all(|v| *v == volume), "10 mm is above h");
     let hair = fibres(&["hair.points=101"]);

@@ -9,7 +9,7 @@ use common::{Folder, box_of, obj};
 use glam::{DQuat, DVec3, Vec3Swizzles};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use windswept_scene::{DistanceGrid, MeshFile, SceneError, Shape, Solid, Triangles, Up, limits::MOST_PRIMITIVES};
+use windswept_scene::{DistanceGrid, MeshFile, SceneError, Shape, Solid, Triangles, Up, limits::MAX_PRIMITIVES};
 
 /// Most that a node is off which is more than eight spacings from the surface \[spacings\].
 const FAR_OFF: f64 = 0.25;
@@ -408,7 +408,7 @@ fn a_wavefront_file_that_is_cut_off_is_refused() {
 #[test]
 fn too_many_faces_are_refused_at_their_line() {
     let folder = Folder::new();
-    let most = windswept_scene::limits::MOST_TRIANGLES;
+    let most = windswept_scene::limits::MAX_TRIANGLES;
     let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf{}\n", " 1".repeat(most + 2));
     let said = Triangles::load(folder.write("many.obj", text.as_bytes())).unwrap_err().to_string();
     assert!(said.ends_with("many.obj: line 5: expected at most 4194304 triangles in the file"), "{said}");
@@ -522,11 +522,11 @@ fn primitives_of_glb_files_are_bounded() {
     assert!(Arc::ptr_eq(&found.parts[0].names[0], &found.parts[1].names[0]));
     let each = 1 << 8;
     for primitive in [&whole, &empty] {
-        let error = primitives(MOST_PRIMITIVES / each + 1, &vec![&primitive[..]; each]).unwrap_err();
+        let error = primitives(MAX_PRIMITIVES / each + 1, &vec![&primitive[..]; each]).unwrap_err();
         assert_eq!(error.message(), "expected at most 65536 primitives in all nodes");
     }
-    let most = primitives(MOST_PRIMITIVES / each, &vec![&whole[..]; each]).unwrap();
-    assert_eq!(most.parts.len(), MOST_PRIMITIVES);
+    let most = primitives(MAX_PRIMITIVES / each, &vec![&whole[..]; each]).unwrap();
+    assert_eq!(most.parts.len(), MAX_PRIMITIVES);
 }
 
 /// What is wrong in a part of a file is an error that says in which.

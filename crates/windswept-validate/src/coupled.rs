@@ -186,6 +186,8 @@ fn rods_on_roots(simulation: &Simulation, step: f64) -> Result<DVec3, Error> {
     let engine = simulation.engine();
     let points = engine.read(&engine.state().rod_points)?;
     let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
-    let of = |point: &RodPoint| (vector(point.free) - vector(point.travel)) * (step / f64::from(point.reply));
-    Ok(points.iter().filter(|point| point.reply > 0.0).map(of).sum())
+    let of = |point: &RodPoint| {
+        (vector(point.free) - vector(point.displacement)) * (step / f64::from(point.effective_inverse_mass))
+    };
+    Ok(points.iter().filter(|point| point.effective_inverse_mass > 0.0).map(of).sum())
 }

@@ -36,7 +36,7 @@ const STEPS: u64 = 20;
 
 /// Rows of what each field does to air, and of the drag of one on a strand without air.
 pub(crate) fn fields(gpu: &Gpu) -> Result<Vec<Row>, Error> {
-    let mut rows = vec![jet(gpu)?, course(gpu)?, narrow_jet(gpu)?];
+    let mut rows = vec![jet(gpu)?, keyframes(gpu)?, narrow_jet(gpu)?];
     rows.extend(vortex(gpu)?);
     rows.extend([point(gpu)?, pulled(gpu)?]);
     Ok(rows)
@@ -66,10 +66,10 @@ fn jet(gpu: &Gpu) -> Result<Row, Error> {
     Ok(Row::new("jet over all air: its velocity, of S", 0.0, off(&got, std::iter::repeat(wanted)), 6.5e-7, JET))
 }
 
-fn course(gpu: &Gpu) -> Result<Row, Error> {
+fn keyframes(gpu: &Gpu) -> Result<Row, Error> {
     let (uptake, end) = (0.05, 0.02);
     let keys = format!("[{{ time = 0, strength = {STRENGTH} }}, {{ time = {end}, strength = {} }}]", -STRENGTH);
-    let force = format!("{WIDE_JET}, course = {keys}, uptake = {uptake}");
+    let force = format!("{WIDE_JET}, keyframes = {keys}, uptake = {uptake}");
     let got = moved(gpu, &force, &Cloud::lattice([10, 6, 6], SIMPLE), STEPS)?;
     let strength = |step: u64| STRENGTH * (1.0 - 2.0 * (step as f64 * STEP / end).min(1.0));
     let speed = (1..=STEPS).map(strength).fold(0.0, |v, s| v + (1.0 - (-s.abs() * STEP / uptake).exp()) * (s - v));

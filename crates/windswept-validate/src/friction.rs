@@ -157,17 +157,17 @@ fn lies(gpu: &Gpu, strands: usize, [before, watched]: [f64; 2]) -> Result<Vec<Ro
     simulation.step((watched / simulation.dt()).round() as u64)?;
     let engine = simulation.engine();
     let first = simulation.initial().hair.points(bed).start;
-    if engine.read(&engine.state().squeezed)?[first..].iter().all(|squeeze| *squeeze == 0.0) {
+    if engine.read(&engine.state().normal_impulses)?[first..].iter().all(|squeeze| *squeeze == 0.0) {
         return Err(Error::Missing("a bed under a mat".to_owned()));
     }
     let after = vectors(&simulation.frame()?.hair.positions);
     let creep = after.iter().zip(&settled).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max) / LENGTH;
     let kept = engine.read(&engine.state().strand_history)?;
-    let asleep = kept[bed..].iter().filter(|strand| strand.condition.still == SLEEPS).count();
+    let sleeping = kept[bed..].iter().filter(|strand| strand.condition.resting == SLEEPS).count();
     let name = format!("mat of {strands} hairs");
     Ok(vec![
         Row::new(format!("{name}: creep from {before} to {} s", before + watched), 0.0, creep, 1e-4, LIES).in_unit("L"),
-        Row::new(format!("{name}: hairs asleep"), strands as f64, asleep as f64, 0.0, SLEEPS_THERE),
+        Row::new(format!("{name}: hairs asleep"), strands as f64, sleeping as f64, 0.0, SLEEPS_THERE),
     ])
 }
 

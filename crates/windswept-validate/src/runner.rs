@@ -22,7 +22,7 @@ impl Runner {
     pub(crate) fn new(gpu: &Gpu, scene: &Scene, initial: &InitialState) -> Result<Self, Error> {
         let setup = Setup::new(scene, initial);
         let (engine, mut plan) = (Engine::new(gpu, &setup)?, Plan::new(&setup));
-        plan.mend_strands();
+        plan.recover_strands();
         let p = Parameters::new(scene, initial);
         let mut reference = State::new(initial, p.step);
         for row in reference.position.iter_mut().chain(&mut reference.velocity) {

@@ -8,10 +8,10 @@ mod bits;
 mod dials;
 mod driven;
 mod faults;
+mod invalid;
 mod long;
 mod masses;
 mod sizes;
-mod spoilt;
 mod steps;
 mod stiffness;
 mod winds;
@@ -74,7 +74,7 @@ pub const STRESSES: &[Stress] = &[
     Stress { name: "stiffness", swept: stiffness::SWEPT, run: stiffness::sweeps },
     Stress { name: "masses", swept: masses::SWEPT, run: masses::sweeps },
     Stress { name: "faulty strands", swept: faults::SWEPT, run: faults::sweeps },
-    Stress { name: "spoilt values", swept: spoilt::SWEPT, run: spoilt::sweeps },
+    Stress { name: "invalid values", swept: invalid::SWEPT, run: invalid::sweeps },
     Stress { name: "crowded air", swept: air::SWEPT, run: air::sweeps },
     Stress { name: "winds", swept: winds::SWEPT, run: winds::sweeps },
     Stress { name: "driven roots", swept: driven::ROOTS, run: driven::roots },

@@ -4,18 +4,18 @@ use std::{fmt, marker::PhantomData, mem::size_of, ops::Deref};
 
 use windswept_shaders::{BufferKind, PASSES};
 
-/// How long what an array holds is needed, which says whether others may lie in its memory (`sharing.rs`).
+/// How long what an array holds is needed, which says whether others may lie in its memory (`aliasing.rs`).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Life {
+pub enum Lifetime {
     /// For good: it has memory of its own.
     #[default]
-    Kept,
+    Static,
     /// For good, and it carries something from one step to the next: checkpoints hold it.
-    Lasting,
+    Checkpointed,
     /// Until the recording that wrote it has run, and somebody has read it.
-    Left,
+    Output,
     /// Until the last pass of the recording that binds it.
-    Scratch,
+    Transient,
 }
 
 /// A buffer, whatever its elements are.
@@ -27,7 +27,7 @@ pub struct AnyArray {
     stride: u64,
     len: u64,
     slot: usize,
-    life: Life,
+    life: Lifetime,
     element: Option<u64>,
 }
 
@@ -76,14 +76,14 @@ impl AnyArray {
 
     /// How long what it holds is needed.
     #[must_use]
-    pub fn life(&self) -> Life {
+    pub fn life(&self) -> Lifetime {
         self.life
     }
 
     /// Whether the array carries something from one step to the next.
     #[must_use]
     pub fn lasts(&self) -> bool {
-        self.life == Life::Lasting
+        self.life == Lifetime::Checkpointed
     }
 
     /// Index among the arrays of a state.
@@ -118,7 +118,7 @@ pub struct Array<T> {
 }
 
 impl<T> Array<T> {
-    pub(crate) fn new(name: &'static str, doc: &'static str, len: u64, slot: usize, life: Life) -> Self {
+    pub(crate) fn new(name: &'static str, doc: &'static str, len: u64, slot: usize, life: Lifetime) -> Self {
         let size = size_of::<T>() as u64;
         let stride = if is_uniform(name) { size.next_multiple_of(UNIFORM_ALIGNMENT) } else { size };
         let any = AnyArray { name, doc, size, stride, len, slot, life, element: None };

@@ -10,7 +10,7 @@ use std::{
 
 use bytemuck::Pod;
 use glam::DVec3;
-use windswept_scene::{Strands, limits::MOST_BUCKETS};
+use windswept_scene::{Strands, limits::MAX_BUCKETS};
 use windswept_shaders::{
     common::{
         dispatch::WORKGROUP, lanes::LANES, list::PAGES, params::Params, pressure::Pressed, rod::Condition,
@@ -24,6 +24,7 @@ use room::{check_nodes, largest_page};
 pub(crate) use room::{check_room, first_sizes};
 
 use crate::{
+    aliasing::Aliasing,
     array::{AnyArray, Array},
     bodies,
     clusters::{self, Cluster},
@@ -32,7 +33,6 @@ use crate::{
     recorder::{Recorder, Recording},
     rods::{self, quat, vec4},
     setup::Setup,
-    sharing::Sharing,
     slots::Slots,
     state::{Sizes, State},
     status,
@@ -63,26 +63,26 @@ impl Engine {
     /// Before anything is allocated, [`GpuError::TooLarge`] if a buffer exceeds what the adapter binds, and
     /// [`GpuError::TooManyCells`].
     pub fn new(gpu: &Gpu, setup: &Setup<'_>) -> Result<Self, GpuError> {
-        Self::with(gpu, setup, |state| Sharing::none(&state.arrays()))
+        Self::with(gpu, setup, |state| Aliasing::none(&state.arrays()))
     }
 
     /// As [`Self::new`], but arrays that none of these recordings needs at the same time share memory. The engine runs no others.
     ///
     /// # Errors
     /// As [`Self::new`].
-    pub fn sharing(
+    pub fn aliasing(
         gpu: &Gpu,
         setup: &Setup<'_>,
         recordings: impl FnOnce(&State) -> Vec<Recording>,
     ) -> Result<Self, GpuError> {
-        Self::with(gpu, setup, |state| Sharing::of(&state.arrays(), &recordings(state)))
+        Self::with(gpu, setup, |state| Aliasing::of(&state.arrays(), &recordings(state)))
     }
 
-    fn with(gpu: &Gpu, setup: &Setup<'_>, share: impl FnOnce(&State) -> Sharing) -> Result<Self, GpuError> {
+    fn with(gpu: &Gpu, setup: &Setup<'_>, share: impl FnOnce(&State) -> Aliasing) -> Result<Self, GpuError> {
         let sizes = first_sizes(gpu.largest_binding(), setup);
         check_nodes(gpu, &setup.meshes)?;
-        if sizes.buckets > MOST_BUCKETS {
-            return Err(GpuError::TooManyCells { cells: sizes.buckets, most: MOST_BUCKETS });
+        if sizes.buckets > MAX_BUCKETS {
+            return Err(GpuError::TooManyCells { cells: sizes.buckets, most: MAX_BUCKETS });
         }
         let state = State::new(&sizes);
         let memory = Memory::new(gpu, &state, share(&state))?;
@@ -109,7 +109,7 @@ impl Engine {
         self.write(&s.wind_table, &setup.wind_table)?;
         self.write(&s.inflow, &setup.waves)?;
         self.write(&s.fields, &setup.fields.fields)?;
-        self.write(&s.field_course, &setup.fields.course)?;
+        self.write(&s.field_keyframes, &setup.fields.keyframes)?;
         self.write(&s.inverse_mass, &inverse_mass)?;
         self.write(&s.points, &rods::points(hair))?;
         self.write(&s.keyframes, &setup.motions.keyframes)?;
@@ -208,7 +208,7 @@ impl Engine {
     /// Size of all buffers together, and of the textures of the programs that were made \[bytes\].
     #[must_use]
     pub fn memory_bytes(&self) -> u64 {
-        self.memory.sharing().bytes(&self.state.arrays()) + self.memory.texture_bytes()
+        self.memory.aliasing().bytes(&self.state.arrays()) + self.memory.texture_bytes()
     }
 
     /// The clusters of the neighbour list, and who is near them, as the last search has found.
@@ -241,7 +241,7 @@ impl Engine {
     /// Reads an array.
     ///
     /// # Errors
-    /// [`GpuError::Shared`] when it is scratch that shares its memory with others ([`Self::sharing`]); [`GpuError`]
+    /// [`GpuError::Shared`] when it is scratch that shares its memory with others ([`Self::aliasing`]); [`GpuError`]
     /// when the device is lost.
     pub fn read<T: Pod>(&self, array: &Array<T>) -> Result<Vec<T>, GpuError> {
         Ok(self.memory.read(&self.gpu, &[**array])?.pop().unwrap_or_default())
@@ -371,8 +371,8 @@ impl Engine {
     }
 
     pub(crate) fn program(&self, recording: &Recording) -> Result<Program, GpuError> {
-        debug_assert_eq!(self.memory.sharing().overwritten(recording), None, "a pass whose array is gone");
-        debug_assert_eq!(self.memory.sharing().mixed(recording), None, "two arrays in one texture");
+        debug_assert_eq!(self.memory.aliasing().overwritten(recording), None, "a pass whose array is gone");
+        debug_assert_eq!(self.memory.aliasing().mixed(recording), None, "two arrays in one texture");
         Program::new(&self.gpu, &self.memory, recording, &|switch| self.sizes.has(switch))
     }
 

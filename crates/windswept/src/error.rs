@@ -108,7 +108,8 @@ fn remedy(array: &str, fits: u64) -> String {
                 "about {fits} contacts would fit, two for each hair point and body: expected fewer bodies, hair.strands or hair.points"
             )
         }
-        "point_history" | "pins" | "rod_points" | "points" | "inverse_mass" | "drag_impulse" | "grip" | "rubbing" => {
+        "point_history" | "pins" | "rod_points" | "points" | "inverse_mass" | "drag_impulse" | "grip"
+        | "friction_points" => {
             format!("about {fits} hair points would fit: expected fewer hair.strands or hair.points")
         }
         _ => format!(
@@ -143,7 +144,7 @@ pub enum RunError {
         "step {step} (t = {} s): {count} strands have numbers that are not finite or that no strand can have, and at most {limit} are put back to rest in a step; the first is point {point} of strand {strand}, found by {pass}: the run ends; a smaller time.step or fewer hair.points may help",
         six_digits(*time)
     )]
-    TooManyBadStrands {
+    TooManyFailedStrands {
         /// Number of such strands.
         count: u32,
         /// Number of strands that are put back to rest in a step at most.

@@ -11,7 +11,7 @@ pub(crate) struct Fields {
     /// The fields.
     pub(crate) fields: Vec<Field>,
     /// Times \[s\] and strengths \[m/s\] of all fields, field by field.
-    pub(crate) course: Vec<[f32; 2]>,
+    pub(crate) keyframes: Vec<[f32; 2]>,
 }
 
 impl Fields {
@@ -36,9 +36,9 @@ impl Fields {
                 ForceField::Point => POINT,
             },
             uptake: force.uptake as f32,
-            first_key: self.course.len() as u32,
+            first_key: self.keyframes.len() as u32,
             keys: keys.len() as u32,
         });
-        self.course.extend(keys.into_iter().map(|(time, strength)| [time as f32, strength as f32]));
+        self.keyframes.extend(keys.into_iter().map(|(time, strength)| [time as f32, strength as f32]));
     }
 }

@@ -24,10 +24,10 @@ use windswept_shaders::{Binding, Bound, BufferKind, PASSES, Pass, Switch, TEXTUR
 
 use crate::error::GpuError;
 
-/// Which of its texts each pass runs on a device. All give the same results but for rounding, and those for software adapters the same bits.
+/// Variant of the shaders that a device runs. All give the same results but for rounding, and the software variant the bits of the one with subgroups.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum PassTexts {
+pub enum ShaderVariant {
     /// For GPUs whose subgroups all have at least eight invocations: eight invocations exchange what they read of eight neighbours by
     /// subgroup operations, and several share the work for a strand, a row of cells, a block of nodes or a point of hair.
     Subgroups,
@@ -45,7 +45,7 @@ pub struct Gpu {
     pub(crate) device: wgpu::Device,
     pub(crate) queue: wgpu::Queue,
     info: AdapterInfo,
-    texts: PassTexts,
+    variant: ShaderVariant,
     pipelines: Pipelines,
     /// Sources that stand in for those of passes.
     sources: Arc<HashMap<&'static str, String>>,
@@ -63,7 +63,7 @@ type Kept = Arc<Mutex<Option<wgpu::ComputePipeline>>>;
 type Switches<'a> = dyn Fn(Switch) -> bool + Sync + 'a;
 
 /// The features that a device of the caller's own should have, of those that the adapter has. None is needed. Without
-/// [`wgpu::Features::SUBGROUP`] passes run more slowly ([`PassTexts::Workgroup`]); without timestamps reports have no time of each pass.
+/// [`wgpu::Features::SUBGROUP`] passes run more slowly ([`ShaderVariant::Workgroup`]); without timestamps reports have no time of each pass.
 #[must_use]
 pub fn wanted_features(adapter: &wgpu::Adapter) -> wgpu::Features {
     let wanted = wgpu::Features::TIMESTAMP_QUERY
@@ -140,17 +140,17 @@ impl Gpu {
         let subgroups =
             device.features().contains(wgpu::Features::SUBGROUP) && adapter.get_info().subgroup_min_size >= LANES;
         let software = adapter.get_info().device_type == wgpu::DeviceType::Cpu;
-        let texts = match subgroups {
-            false => PassTexts::Workgroup,
-            true if software && binds_textures(&has) => PassTexts::Software,
-            true => PassTexts::Subgroups,
+        let variant = match subgroups {
+            false => ShaderVariant::Workgroup,
+            true if software && binds_textures(&has) => ShaderVariant::Software,
+            true => ShaderVariant::Subgroups,
         };
-        tracing::debug!(adapter = info.name, backend = info.backend, driver = info.driver, ?texts, "device");
+        tracing::debug!(adapter = info.name, backend = info.backend, driver = info.driver, ?variant, "device");
         Ok(Self {
             device,
             queue,
             info,
-            texts,
+            variant,
             pipelines: Arc::default(),
             sources: Arc::default(),
             replaced: Arc::default(),
@@ -162,20 +162,20 @@ impl Gpu {
         Self { sources: Arc::new(sources.into_iter().collect()), replaced: Arc::default(), ..self.clone() }
     }
 
-    /// The device with other texts of the passes, which it must be able to run.
-    pub(crate) fn with_texts(&self, texts: PassTexts) -> Self {
-        Self { texts, pipelines: Arc::default(), replaced: Arc::default(), ..self.clone() }
+    /// The device with another variant of the passes, which it must be able to run.
+    pub(crate) fn with_variant(&self, variant: ShaderVariant) -> Self {
+        Self { variant, pipelines: Arc::default(), replaced: Arc::default(), ..self.clone() }
     }
 
-    /// Which of its texts each pass runs.
+    /// Variant of the passes that runs.
     #[must_use]
-    pub fn texts(&self) -> PassTexts {
-        self.texts
+    pub fn variant(&self) -> ShaderVariant {
+        self.variant
     }
 
     /// Whether this is a software adapter. Its driver compiles a pipeline where it runs first, and not where it is made.
     pub(crate) fn is_software(&self) -> bool {
-        self.texts == PassTexts::Software
+        self.variant == ShaderVariant::Software
     }
 
     /// What the variant of a pass that runs binds for a binding.
@@ -185,20 +185,20 @@ impl Gpu {
     }
 
     /// How many invocations share the work of one that a step asks for, in the text of a pass that runs. A text that stands in for it is
-    /// made of one of the pass's texts for GPUs, and has the number of that.
+    /// made of a variant for GPUs, and has the number of that.
     pub(crate) fn share(&self, pass: &Pass) -> u32 {
         fn number(text: &str) -> Option<&str> {
             text.lines().find(|line| line.starts_with("const SHARE"))
         }
-        let texts = match self.sources.get(pass.name) {
-            Some(own) if number(own) == number(pass.source) => PassTexts::Subgroups,
-            Some(_) => PassTexts::Workgroup,
-            None => self.texts,
+        let variant = match self.sources.get(pass.name) {
+            Some(own) if number(own) == number(pass.source) => ShaderVariant::Subgroups,
+            Some(_) => ShaderVariant::Workgroup,
+            None => self.variant,
         };
-        match texts {
-            PassTexts::Subgroups => pass.shares.with_subgroups,
-            PassTexts::Workgroup => pass.shares.without_subgroups,
-            PassTexts::Software => pass.shares.in_software,
+        match variant {
+            ShaderVariant::Subgroups => pass.shares.with_subgroups,
+            ShaderVariant::Workgroup => pass.shares.without_subgroups,
+            ShaderVariant::Software => pass.shares.in_software,
         }
     }
 
@@ -284,10 +284,10 @@ impl Gpu {
         }
         let constant = |switch: &Switch| (switch.name(), f64::from(u8::from(on(*switch))));
         let constants: Vec<_> = pass.switches.iter().map(constant).collect();
-        let other = match self.texts {
-            PassTexts::Software => Some(pass.source_for_software),
-            PassTexts::Workgroup => pass.source_without_subgroups,
-            PassTexts::Subgroups => None,
+        let other = match self.variant {
+            ShaderVariant::Software => Some(pass.source_for_software),
+            ShaderVariant::Workgroup => pass.source_without_subgroups,
+            ShaderVariant::Subgroups => None,
         };
         let source = own.map_or(other.unwrap_or(pass.source), String::as_str);
         let pipeline = self.checked(

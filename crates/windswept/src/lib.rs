@@ -30,6 +30,7 @@
 //! [`ops`] runs single passes over arrays of the program's own. [`plan`] and [`buffers`] say what a step consists of, without
 //! a GPU. Inside the crate, `step.rs` reads as the step, top to bottom.
 
+mod aliasing;
 mod array;
 mod bands;
 mod bodies;
@@ -51,7 +52,6 @@ mod report;
 mod rods;
 mod sections;
 mod setup;
-mod sharing;
 mod simulation;
 mod slots;
 mod state;
@@ -67,7 +67,7 @@ pub use glam;
 pub use engine::required_limits;
 pub use error::{CheckpointError, Error, GpuError, RunError};
 pub use frame::{AirFrame, Frame, HairFrame};
-pub use gpu::{AdapterChoice, AdapterInfo, Gpu, PassTexts, adapters, wanted_features};
+pub use gpu::{AdapterChoice, AdapterInfo, Gpu, ShaderVariant, adapters, wanted_features};
 pub use plan::{BufferRow, MemoryBytes, PlanRow, Uses, buffers, memory_bytes, table as plan};
 pub use report::{BandEnergy, BodyReport, Counts, PassReport, Report, Reset, RunFailure, SkippedReport};
 pub use simulation::{Accelerations, Buffers, Checkpoint, Simulation};
@@ -76,15 +76,15 @@ pub use status::warning_meaning;
 /// Parts that tests and `windswept validate` look at. They are no part of the interface and change without notice.
 #[doc(hidden)]
 pub mod internals {
-    use crate::{Gpu, PassTexts};
+    use crate::{Gpu, ShaderVariant};
     pub use crate::{
-        array::{AnyArray, Array, Index, Life},
+        aliasing::Aliasing,
+        array::{AnyArray, Array, Index, Lifetime},
         engine::Engine,
         motion::Motions,
         plan::{BandPlan, Plan},
         recorder::{Bindings, Command, Decision, Recorder, Recording},
         setup::Setup,
-        sharing::Sharing,
         slots::Slots,
         state::{Sizes, State},
     };
@@ -93,10 +93,10 @@ pub mod internals {
     pub fn with_sources(gpu: &Gpu, sources: impl IntoIterator<Item = (&'static str, String)>) -> Gpu {
         gpu.with_sources(sources)
     }
-    /// The device with other texts of the passes, which it must be able to run: a software adapter runs all of them.
+    /// The device with another variant of the passes, which it must be able to run: a software adapter runs all of them.
     #[must_use]
-    pub fn with_texts(gpu: &Gpu, texts: PassTexts) -> Gpu {
-        gpu.with_texts(texts)
+    pub fn with_variant(gpu: &Gpu, variant: ShaderVariant) -> Gpu {
+        gpu.with_variant(variant)
     }
     /// The status word and the counters.
     pub mod status {

@@ -2,7 +2,7 @@
 
 use std::f64::consts::E;
 
-use windswept_scene::{Filter, InitialState, Scene, limits::MOST_NODES};
+use windswept_scene::{Filter, InitialState, Scene, limits::MAX_NODES};
 use windswept_shaders::common::{
     deposit::BLOCK,
     mesh::{MITCHELL, Mesh},
@@ -57,7 +57,7 @@ impl Meshes {
                 (meshes.nodes, meshes.finest) = (count, scale);
             }
             // The engine refuses such a grid by its size: its taps are not made.
-            if count > MOST_NODES {
+            if count > MAX_NODES {
                 continue;
             }
             meshes.grids.push((nodes, [0, 1, 2].map(|axis| size[axis] / nodes[axis])));

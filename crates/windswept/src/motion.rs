@@ -44,7 +44,7 @@ impl Motions {
                 // Saturates: no run has so many steps.
                 step: time as u32,
                 rotation: quat(before),
-                travel: vec3(to - from),
+                displacement: vec3(to - from),
                 fraction: time.fract() as f32,
                 turn: vec3(rotation_vector(turn)),
                 rate: if span > 0.0 { (1.0 / span) as f32 } else { 0.0 },

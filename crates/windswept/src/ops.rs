@@ -14,8 +14,7 @@ use glam::DVec3;
 use windswept_scene::{
     Air, AirParticles, Band, Fluid, InitialState, Scene, SceneError, Turbulence,
     limits::{
-        COARSEST_SPACING, LARGEST, LEAST_KERNEL_RADIUS, MAGNITUDES, MOST_PARTICLES_OF_AN_OPERATION, MOST_REPEATS,
-        SMALLEST,
+        COARSEST_SPACING, LARGEST, MAGNITUDES, MAX_PARTICLES_OF_AN_OPERATION, MAX_REPEATS, MIN_KERNEL_RADIUS, SMALLEST,
     },
 };
 
@@ -252,21 +251,21 @@ impl<'a> Particles<'a> {
         runner.read_vectors(|s| &s.viscous_velocity)
     }
 
-    /// Positions after `fluid.iterations` Jacobi iterations of ρ = ρ0 (eq. 1), at most [`MOST_REPEATS`], neighbours searched once
+    /// Positions after `fluid.iterations` Jacobi iterations of ρ = ρ0 (eq. 1), at most [`MAX_REPEATS`], neighbours searched once
     /// \[m\]. Uses `mass`, `rest_density`, `radius`.
     ///
     /// # Errors
     /// [`OpsError`] names the argument that is wrong, or has what the device refused.
     pub fn solve_density(&self, gpu: &Gpu, fluid: Fluid) -> Result<Vec<[f32; 3]>, OpsError> {
-        if fluid.iterations > MOST_REPEATS {
-            let words = format!("expected a whole number from 0 to {MOST_REPEATS}, found {}", fluid.iterations);
+        if fluid.iterations > MAX_REPEATS {
+            let words = format!("expected a whole number from 0 to {MAX_REPEATS}, found {}", fluid.iterations);
             return Err(argument("iterations", words));
         }
         positive("relaxation", fluid.relaxation)?;
-        if self.radius < LEAST_KERNEL_RADIUS * self.spacing() {
+        if self.radius < MIN_KERNEL_RADIUS * self.spacing() {
             let words = format!(
-                "expected at least {LEAST_KERNEL_RADIUS} particle spacings, {} m",
-                LEAST_KERNEL_RADIUS * self.spacing()
+                "expected at least {MIN_KERNEL_RADIUS} particle spacings, {} m",
+                MIN_KERNEL_RADIUS * self.spacing()
             );
             return Err(argument("radius", format!("{words}; found {}", self.radius)));
         }
@@ -324,9 +323,9 @@ impl<'a> Particles<'a> {
 
     fn check(&self) -> Result<(), OpsError> {
         finite("positions", self.positions)?;
-        if self.positions.len() > MOST_PARTICLES_OF_AN_OPERATION {
+        if self.positions.len() > MAX_PARTICLES_OF_AN_OPERATION {
             let words =
-                format!("expected at most {MOST_PARTICLES_OF_AN_OPERATION} rows, found {}", self.positions.len());
+                format!("expected at most {MAX_PARTICLES_OF_AN_OPERATION} rows, found {}", self.positions.len());
             return Err(argument("positions", words));
         }
         positive("mass", self.mass)?;

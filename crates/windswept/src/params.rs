@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use windswept_scene::{FluidSolver, InitialState, Integrator, Law, Model, Scene, Solver, limits::MOST_BUCKETS};
+use windswept_scene::{FluidSolver, InitialState, Integrator, Law, Model, Scene, Solver, limits::MAX_BUCKETS};
 use windswept_shaders::common::{
     dispatch::WORKGROUP,
     lanes::LANES,
@@ -14,13 +14,13 @@ use crate::rods;
 /// Cells of the neighbour search in a kernel radius, per axis: fine along x, where cells of a row follow one another in memory.
 const CELLS_IN_RADIUS: [f64; 3] = [4.0, 1.0, 1.0];
 /// Most cells in the box of air: hair is sorted into as many of its own.
-const MOST_CELLS: f64 = (MOST_BUCKETS / 2) as f64;
+const MAX_CELLS: f64 = (MAX_BUCKETS / 2) as f64;
 /// Fewest kernel radii along each side of the box: fewer, and a particle would meet an image of itself.
-const LEAST_RADII: f64 = 3.0;
+const MIN_RADII: f64 = 3.0;
 /// α over D0: softens λ where a particle has hardly a neighbour.
 const SOFTENING: f64 = 1e-3;
 /// Strands that may go bad in one step before the run ends: 3, or 1 %.
-const BAD_STRANDS: u32 = 3;
+const FAILED_STRANDS: u32 = 3;
 
 /// The uniform of a scene, with a neighbour list of no entries.
 #[must_use]
@@ -47,7 +47,7 @@ pub(crate) fn uniform(scene: &Scene, initial: &InitialState) -> Params {
         viscosity_hair: (scene.viscosity.hair / substeps) as f32,
         viscosity_air: (scene.viscosity.air / substeps) as f32,
         damping: scene.rods.damping as f32,
-        bad_strand_limit: BAD_STRANDS.max(strands / 100),
+        failed_strand_limit: FAILED_STRANDS.max(strands / 100),
         spreading: scene.spreading() as f32,
         settling: scene.settling() as f32,
         lift: scene.interaction.lift as f32,
@@ -124,15 +124,15 @@ pub(crate) fn with_cells(params: &Params, (nodes, spacing): ([f64; 3], [f64; 3])
 /// Cells along each axis: as many as there are of their size, at least so many as three kernel radii have, and larger ones where there
 /// would be too many.
 fn cells(size: [f64; 3], radius: f64) -> [f64; 3] {
-    let fewest = CELLS_IN_RADIUS.map(|n| n * LEAST_RADII);
+    let fewest = CELLS_IN_RADIUS.map(|n| n * MIN_RADII);
     let mut side = radius;
     loop {
         let cells = [0, 1, 2].map(|axis| (size[axis] / side * CELLS_IN_RADIUS[axis]).floor().max(fewest[axis]));
         let all: f64 = cells.iter().product();
-        if all <= MOST_CELLS || cells == fewest {
+        if all <= MAX_CELLS || cells == fewest {
             return cells;
         }
-        side *= (all / MOST_CELLS).cbrt().max(1.01);
+        side *= (all / MAX_CELLS).cbrt().max(1.01);
     }
 }
 

@@ -6,7 +6,7 @@ use std::ops::Range;
 
 use windswept_scene::{Air, Filter, FluidSolver, InitialState, Law, Model, Scene, Solver, ViscosityForm};
 use windswept_shaders::{
-    common::{band::Band, list::PAGES, matter::MOST_EDDIES, mesh::Mesh, params::Params},
+    common::{band::Band, list::PAGES, matter::MAX_EDDIES, mesh::Mesh, params::Params},
     fluid::divergence::Iteration,
 };
 
@@ -38,7 +38,7 @@ pub struct Plan {
     /// Whether rods are solved by the direct solver.
     pub direct: Decision,
     /// Whether strands that are not finite are held where they were, and put into their rest shape.
-    pub mend: Decision,
+    pub recover: Decision,
     /// Whether Gauss-Seidel sweeps over strands.
     pub sweeps: Decision,
     /// Whether hair meets air particles.
@@ -201,7 +201,8 @@ impl Plan {
             newton_dispatches: setup.params.newton_steps / setup.params.newton_part,
             sweeps,
             direct,
-            mend: hair.and(Decision::when(false, "not until a strand is not finite, or somebody puts hair somewhere")),
+            recover: hair
+                .and(Decision::when(false, "not until a strand is not finite, or somebody puts hair somewhere")),
             hair_meets_air: hair_meets_air.clone(),
             hair,
             air,
@@ -256,10 +257,10 @@ impl Plan {
         (self.blows, self.wind) = wind(&Decision::when(true, ""), &self.air, &self.drag);
     }
 
-    /// Lets the passes run from now on that mend strands: those that are not finite, or that somebody else than a step has written. A step
-    /// freezes where there is one and no pass mends it.
-    pub fn mend_strands(&mut self) {
-        self.mend = self.hair.clone();
+    /// Lets the passes run from now on that recover strands: those that are not finite, or that somebody else than a step has written. A step
+    /// freezes where there is one and no pass recovers it.
+    pub fn recover_strands(&mut self) {
+        self.recover = self.hair.clone();
     }
 
     /// Lets the force that the caller sets push from now on, or lets it push no longer. It reaches air through the wind's passes.
@@ -367,7 +368,7 @@ fn exchanges(scene: &Scene, initial: &InitialState) -> Exchanges {
             0.0
         }
     };
-    let most_eddies = if scene.viscosity.smagorinsky > 0.0 { f64::from(MOST_EDDIES) } else { 0.0 };
+    let most_eddies = if scene.viscosity.smagorinsky > 0.0 { f64::from(MAX_EDDIES) } else { 0.0 };
     let of_air = scene.viscosity.air + f64::from(scene.time.substeps) * most_eddies;
     let hair = || initial.hair.volume.iter().copied();
     let air = || (!initial.air.positions.is_empty()).then_some(initial.air.volume).into_iter();

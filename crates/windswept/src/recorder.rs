@@ -139,7 +139,12 @@ impl<'a> Recorder<'a> {
 
     /// Adds a pass over the particles of clusters, which meet their neighbours: once for each page of the neighbour list that has any of
     /// these clusters.
-    pub fn meet(&mut self, pass: &'static Pass, label: &'static str, clusters: Range<u32>) -> Bindings<'_> {
+    pub fn dispatch_neighbours(
+        &mut self,
+        pass: &'static Pass,
+        label: &'static str,
+        clusters: Range<u32>,
+    ) -> Bindings<'_> {
         let (recorded, state) = (self.recording.commands.len(), self.state);
         let pages = state.pages();
         let count = pages.len() as u32;

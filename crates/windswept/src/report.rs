@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::gpu::{AdapterInfo, PassTexts};
+use crate::gpu::{AdapterInfo, ShaderVariant};
 
 /// The report of a run so far. What was not measured is left out, never null; in report.json of a run that failed so is what is not finite.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -22,8 +22,8 @@ pub struct Report {
     pub method: String,
     /// The adapter that ran.
     pub adapter: AdapterInfo,
-    /// Which of its texts each pass ran there.
-    pub texts: PassTexts,
+    /// Variant of the shaders that ran there.
+    pub variant: ShaderVariant,
     /// Numbers of particles.
     pub particles: Counts,
     /// Steps since t = 0.
@@ -52,7 +52,7 @@ pub struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_stretch: Option<f64>,
     /// Steps of strands that went otherwise than by a solve of the integrator asked for, summed over all strands and
-    /// steps: `euler_steps` by implicit Euler instead of BDF2, `asleep_steps` of strands at rest, `teleports` of strands that a
+    /// steps: `euler_steps` by implicit Euler instead of BDF2, `sleeping_steps` of strands at rest, `teleports` of strands that a
     /// far jump of their root took along as they were, and `unsolved_steps` of strands that had not settled after `rods.newton`
     /// Newton steps and lag behind.
     #[serde(skip_serializing_if = "Option::is_none")]

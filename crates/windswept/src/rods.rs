@@ -166,7 +166,7 @@ pub(crate) fn point_histories(hair: &Strands, origin: DVec3, step: f64) -> Vec<P
     let history = |(x, v): (&DVec3, &DVec3)| {
         let local = *x - origin;
         PointHistory {
-            travel: vec3(*v * step),
+            displacement: vec3(*v * step),
             velocity: vec3(*v),
             remainder: vec3(local - local.as_vec3().as_dvec3()),
             ..PointHistory::default()

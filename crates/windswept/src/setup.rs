@@ -80,7 +80,7 @@ impl<'a> Setup<'a> {
             wind_table: wind_table.len() as u32,
             waves: waves.len() as u32,
             fields: fields.fields.len() as u32,
-            field_keys: fields.course.len() as u32,
+            field_keys: fields.keyframes.len() as u32,
             pushed: 0,
             mesh_tasks: (meshes.uniforms.len() + coarse.as_ref().map_or(0, |coarse| coarse.uniforms.len())) as u32,
             grids: meshes.grids.len() as u32,

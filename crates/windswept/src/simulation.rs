@@ -13,7 +13,7 @@ use std::{sync::OnceLock, time::Instant};
 
 use glam::{DQuat, DVec3};
 use windswept_scene::{Groom, InitialState, Scene};
-use windswept_shaders::common::status::{NON_FINITE_AIR, Status, TOO_MANY_BAD_STRANDS, UNMENDED_STRAND};
+use windswept_shaders::common::status::{NON_FINITE_AIR, Status, TOO_MANY_BAD_STRANDS, UNRECOVERED_STRAND};
 
 pub use checkpoint::Checkpoint;
 pub use force::Accelerations;
@@ -56,7 +56,7 @@ pub struct Simulation {
     /// The function that says what pushes in each step, where one was set.
     callback: Option<force::Callback>,
     /// Engine steps that the state had when this simulation was made: more than 0 if it goes on from a checkpoint.
-    begun: u32,
+    first_substep: u32,
     steps: u64,
     last: Status,
     batches: u64,
@@ -96,13 +96,13 @@ pub struct Buffers<'a> {
     pub origin: DVec3,
 }
 
-/// Where the hair of a simulation comes from.
+/// Origin of the arrays of hair that a simulation starts from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Hair {
-    /// It was made of a scene or of a groom that was checked: each strand is one that there can be.
-    Made,
-    /// The caller gave the arrays: a strand may be none that there can be.
-    Given,
+enum Origin {
+    /// A scene, or a groom that was checked.
+    Validated,
+    /// The caller: a strand may be invalid.
+    Untrusted,
 }
 
 impl Simulation {
@@ -114,7 +114,7 @@ impl Simulation {
     pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self, Error> {
         check_room(gpu, scene, None)?;
         let initial = InitialState::new(scene)?;
-        Self::started(gpu, scene, initial, Hair::Made)
+        Self::started(gpu, scene, initial, Origin::Validated)
     }
 
     /// A simulation of the caller's own strands, which replace the scene's `[hair]`.
@@ -124,7 +124,7 @@ impl Simulation {
     pub fn with_groom(gpu: &Gpu, scene: &Scene, groom: &Groom) -> Result<Self, Error> {
         check_room(gpu, scene, Some(groom))?;
         let initial = InitialState::with_groom(scene, groom)?;
-        Self::started(gpu, &Scene { hair: Vec::new(), ..scene.clone() }, initial, Hair::Made)
+        Self::started(gpu, &Scene { hair: Vec::new(), ..scene.clone() }, initial, Origin::Validated)
     }
 
     /// A simulation that starts from the caller's own arrays; the scene's `[hair]` and lattice are not looked at. Hair that is too light for
@@ -133,12 +133,12 @@ impl Simulation {
     /// # Errors
     /// [`Error::Scene`] when the arrays do not belong together, [`Error::Gpu`] when they do not fit the adapter.
     pub fn with_state(gpu: &Gpu, scene: &Scene, initial: InitialState) -> Result<Self, Error> {
-        Self::started(gpu, scene, initial, Hair::Given)
+        Self::started(gpu, scene, initial, Origin::Untrusted)
     }
 
     /// A simulation whose air beside bodies has the velocity that it starts with.
-    fn started(gpu: &Gpu, scene: &Scene, initial: InitialState, hair: Hair) -> Result<Self, Error> {
-        let mut simulation = Self::begun(gpu, scene, initial, hair)?;
+    fn started(gpu: &Gpu, scene: &Scene, initial: InitialState, origin: Origin) -> Result<Self, Error> {
+        let mut simulation = Self::build(gpu, scene, initial, origin)?;
         if simulation.plan.walls.runs {
             let plan = &simulation.plan;
             // Where there is no room for the neighbours the first step says so.
@@ -150,17 +150,17 @@ impl Simulation {
         Ok(simulation)
     }
 
-    fn begun(gpu: &Gpu, scene: &Scene, mut initial: InitialState, hair: Hair) -> Result<Self, Error> {
+    fn build(gpu: &Gpu, scene: &Scene, mut initial: InitialState, origin: Origin) -> Result<Self, Error> {
         let began = Instant::now();
         initial.check()?;
         initial.warnings.extend(initial.hair.carry_air(scene));
         let (given, scene) = (scene.clone(), scene.clone());
         let setup = Setup::new(&scene, &initial);
         let mut plan = Plan::new(&setup);
-        if hair == Hair::Given {
-            plan.mend_strands();
+        if origin == Origin::Untrusted {
+            plan.recover_strands();
         }
-        let engine = Engine::sharing(gpu, &setup, |state| step::recordings(state, &plan))?;
+        let engine = Engine::aliasing(gpu, &setup, |state| step::recordings(state, &plan))?;
         let recording = Recorder::record(engine.state(), |r| step::record(r, &plan));
         let program = engine.program(&recording)?;
         let last = engine.status()?;
@@ -173,7 +173,7 @@ impl Simulation {
             wind_at_start: scene.air.as_ref().map_or(DVec3::ZERO, |air| DVec3::from_array(air.wind_at(0.0))),
             wind_set: None,
             callback: None,
-            begun: 0,
+            first_substep: 0,
             steps: 0,
             last,
             batches: 0,
@@ -224,7 +224,7 @@ impl Simulation {
         is_timed: impl Fn(u64) -> bool,
         mut stop: impl FnMut() -> bool,
     ) -> Result<(), RunError> {
-        self.mend_what_was_written()?;
+        self.recover_written_strands()?;
         let goal = self.steps.saturating_add(n).saturating_mul(self.substeps());
         let mut asked = None;
         while u64::from(self.last.step) < goal && !stop() {
@@ -268,7 +268,7 @@ impl Simulation {
     }
 
     /// Reads the status after a submit. Where a step needed a longer neighbour list it grows. Where something was not finite for the first
-    /// time, air or hair, the step gets the passes that mend strands. The frozen steps are then not done, so
+    /// time, air or hair, the step gets the passes that recover strands. The frozen steps are then not done, so
     /// compare [`Self::steps`] and record them again. Turns what ended the run into an error: what is not finite although these passes ran.
     ///
     /// # Errors
@@ -283,22 +283,22 @@ impl Simulation {
         if let Some(thawed) = self.engine.grow_if_short(&status, step)? {
             self.last = thawed;
             self.record_again()?;
-        } else if status.causes != 0 && self.plan.mend != self.plan.hair {
+        } else if status.causes != 0 && self.plan.recover != self.plan.hair {
             // Air, or many strands, may be lost to one that nobody looked at.
-            tracing::debug!(step, "strands are mended from now on");
-            self.plan.mend_strands();
+            tracing::debug!(step, "strands are recovered from now on");
+            self.plan.recover_strands();
             self.last = self.engine.thaw(&status)?;
             self.record_again()?;
-        } else if status.causes & UNMENDED_STRAND != 0 {
-            let reason = "a strand is bad, though all passes ran that mend strands".to_owned();
+        } else if status.causes & UNRECOVERED_STRAND != 0 {
+            let reason = "a strand is bad, though all passes ran that recover strands".to_owned();
             return Err(GpuError::Driver { doing: format!("step {step}"), reason }.into());
         } else if status.causes & NON_FINITE_AIR != 0 {
             return Err(self.lost_air(status.first_bad_air, step)?);
         } else if status.causes & TOO_MANY_BAD_STRANDS != 0 {
             let (point, pass) = status::bad_point(status.first_bad);
             let (strand, point) = self.strand_of(point);
-            let (count, limit) = (status.bad_strands, self.engine.params().bad_strand_limit);
-            return Err(RunError::TooManyBadStrands { count, limit, strand, point, pass, step, time: self.time() });
+            let (count, limit) = (status.failed_strands, self.engine.params().failed_strand_limit);
+            return Err(RunError::TooManyFailedStrands { count, limit, strand, point, pass, step, time: self.time() });
         }
         Ok(())
     }
@@ -310,12 +310,12 @@ impl Simulation {
         Ok(())
     }
 
-    /// Lets strands be mended from now on, if somebody else than a step has written what they are.
-    fn mend_what_was_written(&mut self) -> Result<(), GpuError> {
-        if !self.engine.hair_was_written() || self.plan.mend == self.plan.hair {
+    /// Lets strands be recovered from now on, if somebody else than a step has written what they are.
+    fn recover_written_strands(&mut self) -> Result<(), GpuError> {
+        if !self.engine.hair_was_written() || self.plan.recover == self.plan.hair {
             return Ok(());
         }
-        self.plan.mend_strands();
+        self.plan.recover_strands();
         self.record_again()
     }
 
@@ -325,7 +325,7 @@ impl Simulation {
 
     /// Whether an engine step after `step` of them is part of the first step that this simulation makes.
     fn is_first_step(&self, step: u32) -> bool {
-        u64::from(step) < u64::from(self.begun) + self.substeps()
+        u64::from(step) < u64::from(self.first_substep) + self.substeps()
     }
 
     /// Number of substeps in the next batch. The first step goes substep by substep: nobody knows yet how long they take.

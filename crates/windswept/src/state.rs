@@ -31,7 +31,7 @@ use windswept_shaders::{
             StrandHistory,
         },
         row::Row,
-        rub::Rub,
+        rub::FrictionPoint,
         status::Status,
         wall::Wall,
     },
@@ -39,7 +39,7 @@ use windswept_shaders::{
     rods::solve::Factor,
 };
 
-use crate::array::{AnyArray, Array, Life};
+use crate::array::{AnyArray, Array, Lifetime};
 
 /// How many of everything.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -186,7 +186,7 @@ macro_rules! state {
                     let len: fn(&Sizes) -> u32 = $len;
                     let slot = slots.next().unwrap_or_default();
                     let doc = concat!($($doc),*).trim_ascii();
-                    Array::new(stringify!($name), doc, len(sizes).into(), slot, Life::$life)
+                    Array::new(stringify!($name), doc, len(sizes).into(), slot, Lifetime::$life)
                 };)*)*
                 Self { $($($name,)*)* }
             }
@@ -214,7 +214,7 @@ macro_rules! state {
 }
 
 state! {
-    [Kept] // Lies alone. First what the host derives from the scene.
+    [Static] // Lies alone. First what the host derives from the scene.
     /// Uniform: what stays the same from step to step, for each page of the neighbour list; then per grid of the band filter, with its cells
     /// in place of the box's.
     params: Params, |s| s.grids + PAGES;
@@ -225,7 +225,7 @@ state! {
     /// Uniform per iteration of the pressure: its relaxation; the first has none, and finds the divergence alone.
     iteration: Iteration, |s| s.relaxations;
 
-    [Lasting] // The state between steps: committed, and the status.
+    [Checkpointed] // The state between steps: committed, and the status.
     /// Causes that freeze, counters, the step's number, the mean wind.
     status: Status, |_| 1;
     /// Position of a particle \[m\]; w: its volume \[m³\].
@@ -254,7 +254,7 @@ state! {
     /// Impulse that the air has given a body in the whole run \[kg m/s\].
     body_impulse: Vec4, |s| if s.air() > 0 { s.bodies } else { 0 };
 
-    [Kept] // Constant.
+    [Static] // Constant.
     /// Inverse mass of a hair point \[1/kg\]; 0 where it is held.
     inverse_mass: f32, |s| s.hair_points;
     /// A strand's first point and segment, number of points, length, and how its ends are held.
@@ -272,7 +272,7 @@ state! {
     /// Taps of the smoothing Gaussian and of its second derivative \[1/m²\], two of each, band by band and axis by axis.
     taps: Vec4, |s| s.taps;
 
-    [Lasting] // Written by the host between steps.
+    [Checkpointed] // Written by the host between steps.
     /// Where a strand's clamp goes in the next step, and stays.
     root_targets: Root, |s| s.strands;
     /// Where a hair point is held, if it is: a pin, or a held tip.
@@ -281,13 +281,13 @@ state! {
     wind_table: Vec4, |s| s.wind_table;
     /// Acceleration that was set \[m/s²\]: of hair points, then of air by stable id.
     pushed: Vec4, |s| s.pushed;
-    [Kept]
+    [Static]
     /// A wave of the turbulence that the wind brings in: wave number \[1/m\] and phase, amplitude over the wind's speed.
     inflow: Wave, |s| s.waves;
     /// A force field: where it is, how far it reaches, its keyframes.
     fields: Field, |s| s.fields;
     /// Keyframes of the strengths of force fields, field by field: time \[s\], strength \[m/s\].
-    field_course: [f32; 2], |s| s.field_keys;
+    field_keyframes: [f32; 2], |s| s.field_keys;
 
     // What a caller may look at between steps, as the last step left it.
     /// The air at a hair point: where it was sampled, how much of it there is, its velocity, how it gives way.
@@ -295,7 +295,7 @@ state! {
     /// Impulse that the air's drag gave a hair point in this step \[N s\].
     drag_impulse: Vec4, |s| s.hair_points;
     /// Squeeze of a hair point between the points of other strands \[m/s\].
-    squeezed: f32, |s| s.hair_points;
+    normal_impulses: f32, |s| s.hair_points;
     /// Slip that friction holds a hair point back from, after this step \[m/s\].
     grip: Vec4, |s| s.hair_points;
 
@@ -317,7 +317,7 @@ state! {
     /// Fourth page of the neighbour list.
     neighbour_list_4: [u32; 4], |s| if s.pages > 3 { s.neighbours } else { 0 };
 
-    [Left] // What is measured between steps.
+    [Output] // What is measured between steps.
     /// Place, velocities, force from outside, free move and move of a hair point in this step. Every pass that knows a force on hair adds to
     /// `force` \[N\] and `resistance` \[kg/s\], which the rods take implicitly.
     rod_points: RodPoint, |s| s.hair_points;
@@ -328,7 +328,7 @@ state! {
     /// Vorticity at a particle \[1/s\]; w: its length.
     vorticity: Vec4, |s| if s.air() > 0 { s.particles } else { 0 };
 
-    [Scratch] // Means something within a step only.
+    [Transient] // Means something within a step only.
     /// Position of a particle in this step, before it is committed \[m\]; w: volume \[m³\].
     predicted: Vec4, |s| s.particles;
     /// Velocity of a particle in this step \[m/s\].
@@ -336,20 +336,20 @@ state! {
     /// Velocity of a particle after XSPH \[m/s\].
     viscous_velocity: Vec4, |s| s.particles;
     /// Sums over the air in the fringe: of what it misses of the wind \[m/s²\], and of its rates \[1/s\].
-    missed: Vec4, |_| 2;
+    fringe_deficit: Vec4, |_| 2;
     /// Strength of a force field at the end of the step \[m/s\].
     field_strength: f32, |s| s.fields;
     /// What wind, force fields and an acceleration that was set add to a particle of air in this step \[m/s\].
     wind_change: Vec4, |s| s.particles;
     /// What friction of hair on hair asks of a hair point: how it slips, its multipliers, its strand.
-    rubbing: Rub, |s| s.hair_points;
+    friction_points: FrictionPoint, |s| s.hair_points;
     /// What becomes velocity of what the density constraint, and friction of hair on hair, moved a particle by in this step \[m\];
     /// w: sum of the multipliers times the relaxation \[kg m²\].
     correction: Vec4, |s| s.particles;
     /// What one iteration of the density constraint, or friction, moves a particle by \[m\].
     shift: Vec4, |s| s.particles;
     /// What of that shift becomes velocity \[m\]; w: the multiplier times the relaxation \[kg m²\].
-    felt_shift: Vec4, |s| s.constrained;
+    velocity_shift: Vec4, |s| s.constrained;
     /// What pressure has done to a particle in this step so far.
     pressed: Pressed, |s| s.pressed;
     /// What corrects the gradients of the kernel at a particle, and how its divergence gives way \[1/m²\].
@@ -360,7 +360,7 @@ state! {
     /// What a particle pushes its neighbours by \[1/(m s)\], and its divergence \[1/s\].
     stress: Stress, |s| s.pressed;
     /// What air brings to the coarse grid, in cell order: its place \[node spacings\]; w: its divergence \[1/s\].
-    brought: Vec4, |s| if s.coarse_nodes > 0 { s.particles } else { 0 };
+    deposit_source: Vec4, |s| if s.coarse_nodes > 0 { s.particles } else { 0 };
     /// What is on a node of the coarse grid: the divergence that air brought to it \[1/s\], at last the pressure \[m²/s\].
     coarse: f32, |s| s.coarse_nodes;
     /// The coarse grid between two transforms.
@@ -398,13 +398,13 @@ state! {
     /// What the air brought to a node of the filter's grid \[m⁴/s\]; w: volume \[m³\].
     deposited: Vec4, |s| s.nodes;
     /// A node's deposit after smoothing along x.
-    smoothed: Vec4, |s| s.nodes;
+    smooth_x: Vec4, |s| s.nodes;
     /// A node's curvature after smoothing along x, and again along z \[m²/s\]; w: volume \[m³\].
     curvature: Vec4, |s| s.nodes;
     /// A node's deposit after smoothing along x and y.
-    smoother: Vec4, |s| s.nodes;
+    smooth_xy: Vec4, |s| s.nodes;
     /// A node's curvature after smoothing along x and y \[m²/s\].
-    smoother_curvature: Vec4, |s| s.nodes;
+    curvature_xy: Vec4, |s| s.nodes;
     /// Velocity û of a band at a particle \[m/s\], as printed \[mm/s\]; hair has none.
     band_velocity: Vec4, |s| s.turbulent();
     /// What confinement adds to a particle in this step, all bands \[m/s\].

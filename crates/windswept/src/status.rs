@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use windswept_shaders::common::status::{
-    AIR_BESIDE, ASLEEP_STEP, BY_RESET, BY_UPDATE, CONFINEMENT_LIMITED, EULER_STEP, EXCHANGE_LIMITED, HAIR_OUTSIDE,
-    OVER_STRAINED, STRAND_RESET, Status, TELEPORT, UNSOLVED_STEP,
+    AIR_BESIDE, BY_RESET, BY_UPDATE, CONFINEMENT_LIMITED, EULER_STEP, EXCHANGE_LIMITED, HAIR_OUTSIDE, OVER_STRAINED,
+    SLEEPING_STEP, STRAND_RESET, Status, TELEPORT, UNSOLVED_STEP,
 };
 
 /// Counters of what a user should know: keys of the report's `warnings`, and what each counts.
@@ -41,8 +41,12 @@ pub(crate) const UNSOLVED: (&str, &str) = (
      shorter time.step follows this wind or these roots",
 );
 /// Counters of how strands were stepped; keys of the report's `strand_steps`.
-const STRAND_STEPS: [(u32, &str); 4] =
-    [(EULER_STEP, "euler_steps"), (ASLEEP_STEP, "asleep_steps"), (TELEPORT, "teleports"), (UNSOLVED_STEP, UNSOLVED.0)];
+const STRAND_STEPS: [(u32, &str); 4] = [
+    (EULER_STEP, "euler_steps"),
+    (SLEEPING_STEP, "sleeping_steps"),
+    (TELEPORT, "teleports"),
+    (UNSOLVED_STEP, UNSOLVED.0),
+];
 
 /// The status of a run that has not begun.
 #[must_use]
@@ -58,13 +62,13 @@ pub fn thawed(status: &Status) -> Status {
         ended: 0,
         neighbours: 0,
         neighbour_carries: 0,
-        bad_strands: 0,
+        failed_strands: 0,
         first_bad: u32::MAX,
         first_bad_air: u32::MAX,
         stretch: 0,
         inspected: 0,
         hair_outside: 0,
-        way_beside: 0,
+        path_beside: 0,
         wind: status.wind_before,
         counting: Status::default().counting,
         ..*status

@@ -53,7 +53,7 @@ pub enum Quantity {
 }
 
 /// All that a simulation of this plan runs: its step, also as it is once a wind is set, which may be zero, or a force, each also with the
-/// passes that mend strands, and the passes of each quantity.
+/// passes that recover strands, and the passes of each quantity.
 #[must_use]
 pub fn recordings(state: &State, plan: &Plan) -> Vec<Recording> {
     let set = |wind: Option<bool>, force: bool| {
@@ -68,7 +68,7 @@ pub fn recordings(state: &State, plan: &Plan) -> Vec<Recording> {
     let plans = winds.into_iter().flat_map(|wind| [set(wind, false), set(wind, true)]);
     let steps = plans.flat_map(|mut plan| {
         let step = Recorder::record(state, |r| record(r, &plan));
-        plan.mend_strands();
+        plan.recover_strands();
         [step, Recorder::record(state, |r| record(r, &plan))]
     });
     let quantities = [Quantity::Density, Quantity::Vorticity];

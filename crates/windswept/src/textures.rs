@@ -2,7 +2,7 @@
 //!
 //! Such an array has a buffer all the same, which passes write. It is copied to its texture before the first pass that reads it there, and
 //! again before the next one that does after a pass has written it. A texture is whole rows of texels. Arrays that are not needed as
-//! textures at the same time share one (`sharing.rs`).
+//! textures at the same time share one (`aliasing.rs`).
 
 use std::ops::Range;
 

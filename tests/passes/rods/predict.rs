@@ -1,4 +1,4 @@
-//! Strands that are reset, teleported, asleep, woken or torn: how they go through a step, where their solver starts, and where it ends.
+//! Strands that are reset, teleported, asleep, woken, or of violated constraints: how they go through a step, where their solver starts, and where it ends.
 
 use glam::{DQuat, DVec3};
 use rand::SeedableRng;
@@ -7,9 +7,9 @@ use windswept::internals::step;
 use windswept_reference::{State as Reference, forcing, rods, step::Scratch};
 use windswept_scene::{End, Strands};
 use windswept_shaders::common::{
-    integration::{BDF2, EULER, PUT, STAY},
+    integration::{BDF2, EULER, HOLD, KINEMATIC},
     rod::{PointHistory, SegmentHistory},
-    status::{ASLEEP_STEP, EULER_STEP, TELEPORT, UNSOLVED_STEP},
+    status::{EULER_STEP, SLEEPING_STEP, TELEPORT, UNSOLVED_STEP},
 };
 
 use crate::{
@@ -24,11 +24,11 @@ use crate::{
 /// Strand as it comes to a step, and how it goes through the step.
 struct Case {
     what: &'static str,
-    bad: bool,
+    failed: bool,
     /// Whether BDF2 may follow the step before.
     ready: bool,
     /// Steps at rest over those that it takes to fall asleep.
-    still: Still,
+    resting: Still,
     /// Whether a body that moves reaches it.
     woken: bool,
     /// Push on its tip, in parts of the push there that wakes.
@@ -52,7 +52,7 @@ enum Still {
     No,
     Almost,
     Rested,
-    Asleep,
+    Sleeping,
 }
 
 /// What somebody did to a strand before the step.
@@ -62,7 +62,7 @@ enum Start {
     /// All points that nothing holds are off by up to 3 % of a segment on each axis.
     Pushed,
     /// The point in the middle is 30 lengths of the strand away.
-    Torn,
+    Violated,
     /// The point in the middle is where the one before it is.
     Crushed,
     /// The first segment goes the other way.
@@ -73,9 +73,9 @@ enum Start {
 
 const PLAIN: Case = Case {
     what: "plain",
-    bad: false,
+    failed: false,
     ready: true,
-    still: Still::No,
+    resting: Still::No,
     woken: false,
     push: 0.0,
     breath: 0.0,
@@ -88,8 +88,8 @@ const PLAIN: Case = Case {
     goes: rods::State::Free,
 };
 
-const SLEEPER: Case = Case { still: Still::Asleep, goes: rods::State::Asleep, ..PLAIN };
-const RESET: Case = Case { bad: true, goes: rods::State::Solved, ..PLAIN };
+const SLEEPER: Case = Case { resting: Still::Sleeping, goes: rods::State::Sleeping, ..PLAIN };
+const RESET: Case = Case { failed: true, goes: rods::State::Solved, ..PLAIN };
 const LOOSE: (End, End) = (End::Free, End::Free);
 const HELD: (End, End) = (End::Clamped, End::Pinned);
 
@@ -108,8 +108,8 @@ const CASES: [Case; 40] = [
     Case { what: "pushed by a body", start: Start::Pushed, ..PLAIN },
     Case { what: "pushed, loose", start: Start::Pushed, ends: LOOSE, ..PLAIN },
     Case { what: "pushed, tip held", start: Start::Pushed, ends: HELD, ..PLAIN },
-    Case { what: "torn", start: Start::Torn, ..PLAIN },
-    Case { what: "torn, loose", start: Start::Torn, ends: LOOSE, ..PLAIN },
+    Case { what: "violated", start: Start::Violated, ..PLAIN },
+    Case { what: "violated, loose", start: Start::Violated, ends: LOOSE, ..PLAIN },
     Case { what: "crushed", start: Start::Crushed, ..PLAIN },
     Case { what: "reversed", start: Start::Reversed, ..PLAIN },
     Case { what: "tangled", start: Start::Tangled, ..PLAIN },
@@ -123,20 +123,20 @@ const CASES: [Case; 40] = [
     },
     Case { what: "not finite before", ..RESET },
     Case { what: "not finite, root jumps", root: 3.0, ..RESET },
-    Case { what: "not finite, asleep", still: Still::Asleep, ..RESET },
+    Case { what: "not finite, sleeping", resting: Still::Sleeping, ..RESET },
     Case { what: "not finite, tip held", ends: HELD, root: 0.1, ..RESET },
     Case { what: "teleported", root: 3.0, goes: rods::State::Teleported, ..PLAIN },
-    Case { what: "teleported asleep", root: 3.0, goes: rods::State::Teleported, ..SLEEPER },
-    Case { what: "teleported, torn", root: 3.0, goes: rods::State::Teleported, start: Start::Torn, ..PLAIN },
-    Case { what: "almost rested", still: Still::Almost, ..PLAIN },
-    Case { what: "falls asleep", still: Still::Rested, ..SLEEPER },
-    Case { what: "falls asleep on a body", still: Still::Rested, woken: true, ..SLEEPER },
-    Case { what: "asleep", ..SLEEPER },
-    Case { what: "asleep by Euler", ready: false, ..SLEEPER },
-    Case { what: "asleep, pushed by too little", push: 0.9, ..SLEEPER },
-    Case { what: "asleep, in too little of a breath", breath: 0.9, ..SLEEPER },
+    Case { what: "teleported sleeping", root: 3.0, goes: rods::State::Teleported, ..SLEEPER },
+    Case { what: "teleported, violated", root: 3.0, goes: rods::State::Teleported, start: Start::Violated, ..PLAIN },
+    Case { what: "almost rested", resting: Still::Almost, ..PLAIN },
+    Case { what: "falls sleeping", resting: Still::Rested, ..SLEEPER },
+    Case { what: "falls sleeping on a body", resting: Still::Rested, woken: true, ..SLEEPER },
+    Case { what: "sleeping", ..SLEEPER },
+    Case { what: "sleeping by Euler", ready: false, ..SLEEPER },
+    Case { what: "sleeping, pushed by too little", push: 0.9, ..SLEEPER },
+    Case { what: "sleeping, in too little of a breath", breath: 0.9, ..SLEEPER },
     Case { what: "woken by a breath", breath: 1.1, goes: rods::State::Free, ..SLEEPER },
-    Case { what: "asleep, given too little", given: 0.9, ..SLEEPER },
+    Case { what: "sleeping, given too little", given: 0.9, ..SLEEPER },
     Case { what: "woken by its neighbours", given: 1.1, goes: rods::State::Free, ..SLEEPER },
     Case { what: "woken by a push", push: 1.1, goes: rods::State::Free, ..SLEEPER },
     Case { what: "woken by a body", woken: true, goes: rods::State::Free, ..SLEEPER },
@@ -160,7 +160,7 @@ fn draw(hair: &mut Strands, s: usize, rng: &mut Pcg64, slower: f64) {
     let middle = points.start + points.len() / 2;
     for i in points.clone() {
         let drawn = case.speed * slower * any(rng, 1.0).normalize();
-        let moves = hair.inverse_mass[i] > 0.0 && case.still != Still::Asleep;
+        let moves = hair.inverse_mass[i] > 0.0 && case.resting != Still::Sleeping;
         hair.velocities[i] = if moves { drawn.as_vec3().as_dvec3() } else { DVec3::ZERO };
     }
     for k in segments.clone() {
@@ -178,7 +178,7 @@ fn draw(hair: &mut Strands, s: usize, rng: &mut Pcg64, slower: f64) {
             let free: Vec<_> = points.skip(1).filter(|i| hair.inverse_mass[*i] > 0.0).collect();
             free.into_iter().for_each(|i| hair.positions[i] += any(rng, 0.03 * l));
         }
-        Start::Torn => hair.positions[middle] += DVec3::new(2.0, 1.0, -2.0),
+        Start::Violated => hair.positions[middle] += DVec3::new(2.0, 1.0, -2.0),
         Start::Crushed => hair.positions[middle] = hair.positions[middle - 1],
         Start::Reversed => {
             let way = 2.0 * (hair.positions[points.start + 1] - hair.positions[points.start]);
@@ -209,7 +209,7 @@ fn with_cases(n: usize, keys: &str, step: f64) -> (Fixture, Reference, Vec<DVec3
     let mut up_to = |size: f64| any(&mut rng, size).as_vec3().to_array();
     let mut history = fixture.engine.read(&state.point_history).unwrap();
     for point in &mut history {
-        *point = PointHistory { travel: up_to(1e-4), velocity: up_to(0.02), ..*point };
+        *point = PointHistory { displacement: up_to(1e-4), velocity: up_to(0.02), ..*point };
     }
     fixture.engine.write(&state.point_history, &history).unwrap();
     let mut history = fixture.engine.read(&state.segment_history).unwrap();
@@ -226,15 +226,15 @@ fn with_cases(n: usize, keys: &str, step: f64) -> (Fixture, Reference, Vec<DVec3
     let mut push = vec![DVec3::ZERO; points];
     for strand in 0..n {
         let case = case_of(strand);
-        (s.bad[strand], s.bdf2_ready[strand]) = (case.bad, case.ready);
-        s.asleep[strand] = case.still == Still::Asleep;
+        (s.failed[strand], s.bdf2_ready[strand]) = (case.failed, case.ready);
+        s.sleeping[strand] = case.resting == Still::Sleeping;
         s.strained_steps[strand] = strand as u32 % 5;
         let steps = fixture.parameters.rest[strand].time / fixture.parameters.step;
-        let rested = steps.ceil().max(f64::from(rods::STILL_STEPS)) as u32;
-        s.still[strand] = match case.still {
+        let rested = steps.ceil().max(f64::from(rods::RESTING_STEPS)) as u32;
+        s.resting[strand] = match case.resting {
             Still::No => 0,
             Still::Almost => rested - 1,
-            Still::Rested | Still::Asleep => rested,
+            Still::Rested | Still::Sleeping => rested,
         };
         let points = s.hair.points(strand);
         let wakes = fixture.parameters.rest[strand].acceleration * fixture.parameters.step.powi(2) * DVec3::Y;
@@ -254,7 +254,7 @@ fn apart(fixture: &Fixture, s: &Reference, w: &Scratch) -> Vec<[f64; 2]> {
     let step_of = |scheme: u32| match scheme {
         EULER => p.step,
         BDF2 => 2.0 / 3.0 * p.step,
-        PUT | STAY => f64::INFINITY,
+        KINEMATIC | HOLD => f64::INFINITY,
         _ => f64::NAN,
     };
     let same_step = |a: u32, b: f64| step_of(a) == b || (step_of(a) / b - 1.0).abs() < 1e-6;
@@ -263,7 +263,7 @@ fn apart(fixture: &Fixture, s: &Reference, w: &Scratch) -> Vec<[f64; 2]> {
         for i in s.hair.points(strand) {
             let (a, b) = (&points[i], &w.moving.points[i]);
             assert!(same_step(a.scheme, b.step), "scheme {} instead of h {}", a.scheme, b.step);
-            moves.push(xyz(&a.travel) - b.travel);
+            moves.push(xyz(&a.displacement) - b.displacement);
             moves.push(xyz(&a.start) + xyz(&a.remainder) - (s.position[i] + b.shift));
             // The free move of a point that is placed means nothing.
             moves.extend(b.step.is_finite().then(|| xyz(&a.free) - b.free));
@@ -308,7 +308,7 @@ fn strands_start_and_end_as_in_the_reference() {
             rods.iter_mut().enumerate().for_each(|(strand, rod)| rod.woken = case_of(strand).woken.into());
             fixture.engine.write(&state.rod_strands, &rods).unwrap();
             fixture.run_only(&["rods/begin", "rods/predict"], step::rods::record);
-            forcing::mend(&mut s);
+            forcing::recover(&mut s);
             let mut w = forcing::run(&s, p);
             w.drives.iter_mut().enumerate().for_each(|(strand, drive)| drive.woken = case_of(strand).woken);
             w.correction = push;
@@ -351,8 +351,8 @@ fn strands_start_and_end_as_in_the_reference() {
             let within = off.iter().zip([1.2e-6, 4e-6, 1.3e-6, 1.6e-4]).all(|(off, bound)| *off < bound);
             assert!(within, "{n}, {keys}, {step} s: {off:?}");
             let counting = fixture.engine.status().unwrap().counting;
-            let counted = [EULER_STEP, ASLEEP_STEP, TELEPORT, UNSOLVED_STEP].map(|of| counting[of as usize] as usize);
-            let wanted = [s.euler_steps, s.asleep_steps, s.teleports, s.unsolved_steps];
+            let counted = [EULER_STEP, SLEEPING_STEP, TELEPORT, UNSOLVED_STEP].map(|of| counting[of as usize] as usize);
+            let wanted = [s.euler_steps, s.sleeping_steps, s.teleports, s.unsolved_steps];
             let same = counted[..3] == wanted[..3] && counted[3].abs_diff(wanted[3]) <= astray;
             assert!(same, "{n}, {keys}, {step} s: {counted:?} instead of {wanted:?}");
             assert!(n < 63 || wanted[2] > 0 && (wanted[1] > 0) == p.sleep && (wanted[3] > 0) == p.direct, "{wanted:?}");

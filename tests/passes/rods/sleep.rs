@@ -6,7 +6,7 @@ use windswept_reference::step::step as reference_step;
 use windswept_scene::{InitialState, Keyframe, Motion, Shape};
 use windswept_shaders::common::{
     rod::SLEEPS,
-    status::{ASLEEP_STEP, EULER_STEP, STRAND_RESET, TELEPORT, UNSOLVED_STEP},
+    status::{EULER_STEP, SLEEPING_STEP, STRAND_RESET, TELEPORT, UNSOLVED_STEP},
 };
 
 use crate::{
@@ -59,38 +59,38 @@ fn strands_sleep_wake_and_are_reset_as_the_reference_s() {
         fixture.run(step::record);
         reference_step(&mut s, &fixture.parameters).unwrap();
         let status = fixture.engine.status().unwrap();
-        let counters = [STRAND_RESET, EULER_STEP, ASLEEP_STEP, TELEPORT, UNSOLVED_STEP];
+        let counters = [STRAND_RESET, EULER_STEP, SLEEPING_STEP, TELEPORT, UNSOLVED_STEP];
         let counted = counters.map(|counter| status.counted[counter as usize] as usize);
-        let wanted = [s.resets, s.euler_steps, s.asleep_steps, s.teleports, s.unsolved_steps];
+        let wanted = [s.resets, s.euler_steps, s.sleeping_steps, s.teleports, s.unsolved_steps];
         println!("step {number}: {wanted:?}");
         let health = fixture.health();
         for (strand, committed) in health.iter().enumerate() {
             let (mut got, mut wanted) = (*committed, condition(&s, strand));
             let anew = number >= 19 || number >= 17 && strand % 4 == 0 || number > 5 && LOST.contains(&strand);
-            if anew && !s.asleep[strand] {
+            if anew && !s.sleeping[strand] {
                 // Woken, or where positions were rounded anew, strands tremble by as much as one at rest may.
-                (got.still, wanted.still) = (0, 0);
+                (got.resting, wanted.resting) = (0, 0);
             }
             assert_eq!(got, wanted, "step {number}: strand {strand}");
         }
         // Rounding decides whether a strand that is thrown round settles in the last Newton step.
         let unsettled = counted[4].abs_diff(wanted[4]) <= usize::from(number >= 19);
         assert!(counted[..4] == wanted[..4] && unsettled, "step {number}: {counted:?} instead of {wanted:?}");
-        let asleep = s.asleep.iter().filter(|asleep| **asleep).count();
+        let sleeping = s.sleeping.iter().filter(|sleeping| **sleeping).count();
         met[0] = s.resets;
-        met[1] += usize::from(asleep > 40);
+        met[1] += usize::from(sleeping > 40);
         met[2] +=
-            usize::from(number >= 19 && (0..65).any(|strand| strand % 4 > 0 && slept[strand] && !s.asleep[strand]));
+            usize::from(number >= 19 && (0..65).any(|strand| strand % 4 > 0 && slept[strand] && !s.sleeping[strand]));
         if number == 16 {
-            slept.clone_from(&s.asleep);
+            slept.clone_from(&s.sleeping);
         }
         met[3] += s.teleports;
-        met[4] += usize::from(number > 17 && asleep < 65);
+        met[4] += usize::from(number > 17 && sleeping < 65);
         let hair = fixture.parameters.hair_points;
         let mut got = s.clone();
         fixture.adopt(&mut got);
         let most = |a: &[DVec3], b: &[DVec3]| a.iter().zip(b).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max);
-        let lengths = most(&got.position[..hair], &s.position[..hair]).max(most(&got.travel, &s.travel));
+        let lengths = most(&got.position[..hair], &s.position[..hair]).max(most(&got.displacement, &s.displacement));
         let speeds =
             most(&got.velocity[..hair], &s.velocity[..hair]).max(most(&got.velocity_before, &s.velocity_before));
         let turns = most(&got.turn, &s.turn);
@@ -112,8 +112,8 @@ fn strands_sleep_wake_and_are_reset_as_the_reference_s() {
         reference_step(&mut s, &fixture.parameters).unwrap();
     }
     let sent = |strand: &usize| strand % 8 == 4 && slept[*strand];
-    let sleeps = |strand: usize, still: u32| still == SLEEPS && s.asleep[strand];
-    let awake = fixture.health().iter().enumerate().filter(|(s, h)| sent(s) && !sleeps(*s, h.still)).count();
+    let sleeps = |strand: usize, resting: u32| resting == SLEEPS && s.sleeping[strand];
+    let awake = fixture.health().iter().enumerate().filter(|(s, h)| sent(s) && !sleeps(*s, h.resting)).count();
     assert_eq!(awake, 0, "strands that were teleported do not sleep");
     assert!(met.iter().all(|times| *times > 0), "{met:?}");
 }

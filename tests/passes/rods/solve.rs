@@ -11,7 +11,7 @@ use windswept_reference::{
 use windswept_scene::{End, InitialState, Solver};
 use windswept_shaders::common::{
     rod::{RodPoint, RodSegment},
-    status::{EULER_STEP, STRAND_RESET, Status, UNMENDED_STRAND, UNSOLVED_STEP},
+    status::{EULER_STEP, STRAND_RESET, Status, UNRECOVERED_STRAND, UNSOLVED_STEP},
 };
 
 use crate::{
@@ -38,7 +38,8 @@ const ONCE: [f64; 3] = [8e-6, 5.2e-4, 5e-7];
 fn apart(fixture: &Fixture, s: &Reference, w: &Scratch) -> Vec<[f64; 3]> {
     let (points, segments) = fixture.rods();
     let of_strand = |strand: usize| {
-        let points = s.hair.points(strand).map(|i| (xyz(&points[i].travel) - w.moving.points[i].travel).length());
+        let points =
+            s.hair.points(strand).map(|i| (xyz(&points[i].displacement) - w.moving.points[i].displacement).length());
         let pairs = || s.hair.segments(strand).map(|k| (&segments[k], &w.moving.segments[k]));
         let frames = largest(pairs().map(|(a, b)| (quaternion(a.frame) - b.frame).length()));
         let solved = pairs().filter(|_| fixture.parameters.direct);
@@ -225,10 +226,10 @@ fn update_measures_stretch_and_finds_bad_strands() {
         let (mut points, mut segments) = fixture.rods();
         let mut rng = Pcg64::seed_from_u64(21);
         for point in &mut points {
-            point.travel = (1e-3 * (2.0 * DVec3::from_array(rng.random()) - 1.0)).as_vec3().to_array();
+            point.displacement = (1e-3 * (2.0 * DVec3::from_array(rng.random()) - 1.0)).as_vec3().to_array();
         }
         match lost {
-            Some(place) => points[hair.points(victim).end - 1].travel[1] = place,
+            Some(place) => points[hair.points(victim).end - 1].displacement[1] = place,
             None => segments[hair.segments(victim).end - 1].frame[3] = f32::NAN,
         }
         let update = |r: &mut Recorder<'_>, plan: &Plan| {
@@ -242,10 +243,10 @@ fn update_measures_stretch_and_finds_bad_strands() {
         // In a step that did not look at its strands the victim may have been lost before.
         write(status::start());
         fixture.replay(update);
-        assert_eq!(fixture.engine.status().unwrap().causes, UNMENDED_STRAND);
+        assert_eq!(fixture.engine.status().unwrap().causes, UNRECOVERED_STRAND);
         write(Status { inspected: 1, ..status::start() });
         fixture.run(update);
-        let point = |p: &RodPoint| rods::Point { travel: xyz(&p.travel), ..Default::default() };
+        let point = |p: &RodPoint| rods::Point { displacement: xyz(&p.displacement), ..Default::default() };
         let chords = (0..n).flat_map(|strand| hair.points(strand).skip(1));
         let place = |i: usize| xyz(&points[i].start) + xyz(&points[i].remainder);
         let segment = |(k, i): (&RodSegment, usize)| rods::Segment {
@@ -269,12 +270,12 @@ fn update_measures_stretch_and_finds_bad_strands() {
         assert!(off < 6e-7, "{n}: {stretch} instead of {wanted}");
         let (point, pass) = status::bad_point(got.first_bad);
         assert!(hair.points(victim).contains(&point) && pass == "rods/update", "{n}: point {point}, {pass}");
-        assert_eq!((got.bad_strands, got.counting[STRAND_RESET as usize]), (1, 1));
+        assert_eq!((got.failed_strands, got.counting[STRAND_RESET as usize]), (1, 1));
         // Found in this step, not committed yet.
         for (strand, (committed, found)) in fixture.health().iter().zip(fixture.found()).enumerate() {
-            assert_eq!((committed.bad, found.bad), (0, u32::from(strand == victim)), "{n}: strand {strand}");
+            assert_eq!((committed.failed, found.failed), (0, u32::from(strand == victim)), "{n}: strand {strand}");
         }
         let held = &fixture.rods().0[hair.points(victim)];
-        assert!(held.iter().all(|point| xyz(&point.travel) == DVec3::ZERO), "{n}: not held");
+        assert!(held.iter().all(|point| xyz(&point.displacement) == DVec3::ZERO), "{n}: not held");
     }
 }

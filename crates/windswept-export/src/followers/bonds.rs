@@ -7,7 +7,7 @@ use super::places::{NEIGHBOURS, Places, spaces};
 use super::points_of;
 
 /// Weights below this are none.
-const LEAST_WEIGHT: f32 = 1e-6;
+const MIN_WEIGHT: f32 = 1e-6;
 /// Distance within which two curves are one \[m\].
 const SAME: f32 = 1e-6;
 
@@ -88,7 +88,7 @@ fn weights(x: Vec3, places: [Vec3; 3]) -> [f32; 3] {
     // A triangle that is thinner is a line.
     if area > 1e-6 * longest * longest {
         let part = |p: Vec3, q: Vec3| (q - p).cross(x - p).dot(normal) / area;
-        let weights = [part(b, c), part(c, a), part(a, b)].map(|w| if w.abs() < LEAST_WEIGHT { 0.0 } else { w });
+        let weights = [part(b, c), part(c, a), part(a, b)].map(|w| if w.abs() < MIN_WEIGHT { 0.0 } else { w });
         if weights.iter().all(|&weight| weight >= 0.0) {
             return weights;
         }
@@ -97,6 +97,6 @@ fn weights(x: Vec3, places: [Vec3; 3]) -> [f32; 3] {
     let least = nearest.iter().copied().fold(f32::INFINITY, f32::min).max(f32::MIN_POSITIVE);
     nearest.map(|square| {
         let weight = least / square.max(f32::MIN_POSITIVE);
-        if weight < LEAST_WEIGHT { 0.0 } else { weight }
+        if weight < MIN_WEIGHT { 0.0 } else { weight }
     })
 }

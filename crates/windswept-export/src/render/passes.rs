@@ -21,7 +21,7 @@ use super::patch::{self, Corner};
 #[derive(Debug)]
 pub(super) struct Passes {
     view: wgpu::Buffer,
-    course: wgpu::Buffer,
+    paths: wgpu::Buffer,
     frame: wgpu::Buffer,
     /// Orientation that clamps the root of each strand at the start.
     root_frames: Vec<Quat>,
@@ -81,8 +81,8 @@ impl Passes {
         let offsets = m.filled("strands", &start.offsets, BufferUsages::STORAGE);
         let radius = m.filled("radii", &groom.radius, BufferUsages::STORAGE);
         let seed = m.filled("seeds", &groom.seed, BufferUsages::STORAGE);
-        let course_points = strand_points + groom.followers.start().positions.len() as u64;
-        let course = m.buffer("points of strands and followers", 16 * course_points, BufferUsages::STORAGE);
+        let path_points = strand_points + groom.followers.start().positions.len() as u64;
+        let paths = m.buffer("points of strands and followers", 16 * path_points, BufferUsages::STORAGE);
         let frame = m.buffer("strand frames", 16 * strand_points, BufferUsages::STORAGE);
         let points = m.buffer("hair points", 16 * all, BufferUsages::STORAGE);
         let colour = m.buffer("hair colours", 4 * all, BufferUsages::STORAGE);
@@ -91,7 +91,7 @@ impl Passes {
         let per_point = all.div_ceil(WORKGROUP.into());
         let per_column = (2 * u64::from(GRID).pow(2)).div_ceil(WORKGROUP.into());
         let opacity = m.module(&pictures::OPACITY);
-        let grown = numbered([&view, &hair, &offsets, &course, &frame, &points]);
+        let grown = numbered([&view, &hair, &offsets, &paths, &frame, &points]);
         let compute = [
             m.compute(&m.module(&pictures::GROW), "main", &grown, per_point),
             m.compute(&opacity, "deposit", &numbered([&view, &points, &grid, &radius]), per_point),
@@ -117,7 +117,7 @@ impl Passes {
             air: m.draw(&m.module(&pictures::AIR), "", &[], None, Depth::Clear),
             hairs,
             view,
-            course,
+            paths,
             frame,
             root_frames: groom.root_frames.clone(),
             grid,
@@ -134,8 +134,8 @@ impl Passes {
         followers: &HairFrame,
     ) -> Result<(), GpuError> {
         let (hair, time) = (&shot.hair, shot.time);
-        let course = hair.positions.iter().chain(&followers.positions);
-        let course: Vec<[f32; 4]> = course.map(|&[x, y, z]| [x, y, z, 0.0]).collect();
+        let paths = hair.positions.iter().chain(&followers.positions);
+        let paths: Vec<[f32; 4]> = paths.map(|&[x, y, z]| [x, y, z, 0.0]).collect();
         let mut frame = Vec::with_capacity(hair.positions.len());
         for (strand, ends) in hair.offsets.windows(2).enumerate() {
             // n - 1 segments, n places: the tip's is that of the clamp.
@@ -147,7 +147,7 @@ impl Passes {
             || "uploading strands".to_owned(),
             || {
                 gpu.queue().write_buffer(&self.view, 0, bytemuck::bytes_of(view));
-                gpu.queue().write_buffer(&self.course, 0, bytemuck::cast_slice(&course));
+                gpu.queue().write_buffer(&self.paths, 0, bytemuck::cast_slice(&paths));
                 gpu.queue().write_buffer(&self.frame, 0, bytemuck::cast_slice(&frame));
                 for (solid, corners) in
                     [(&self.patch, patch::corners(scene, time)), (&self.bodies, bodies::corners(scene, time))]

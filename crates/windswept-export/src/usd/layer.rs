@@ -41,15 +41,15 @@ impl Layer {
 
     /// The layer of this prim, to go on behind its samples of these time codes. It is as it was until [`Self::cut`].
     pub(super) fn open(path: PathBuf, prim: &str, codes: &[f64]) -> Result<Self, ExportError> {
-        let misfit = |problem: String| ExportError::Frame { path: path.clone(), problem };
+        let invalid = |problem: String| ExportError::Frame { path: path.clone(), problem };
         refuse_link(&path)?;
         let file = opened(&path)?;
         let mut lines = Lines { reader: BufReader::new(&file), at: 0, line: Vec::new() };
         let unread = |e: std::io::Error| failed(&path, "could not be read", &e);
         let mut head = String::new();
         while !head.trim_end().ends_with(prim) {
-            if !lines.next().map_err(unread)? || lines.at > (prim.len() as u64).saturating_add(MOST_META) {
-                return Err(misfit(
+            if !lines.next().map_err(unread)? || lines.at > (prim.len() as u64).saturating_add(MAX_META) {
+                return Err(invalid(
                     "has other strands than the run that is to go on, or is no film of windswept".into(),
                 ));
             }
@@ -69,7 +69,7 @@ impl Layer {
             };
             match length {
                 Some(length) if there && sample => end = from + length as u64,
-                _ => return Err(misfit(format!("expected a frame at time code {code} as number {k}"))),
+                _ => return Err(invalid(format!("expected a frame at time code {code} as number {k}"))),
             }
         }
         Ok(Self { path, file, end, last })
@@ -99,7 +99,7 @@ impl Layer {
 }
 
 /// Bytes of a layer before its prim, at most: mostly the scene.
-const MOST_META: u64 = 64 << 20;
+const MAX_META: u64 = 64 << 20;
 
 /// Lines of a file, and how far they go.
 struct Lines<R> {

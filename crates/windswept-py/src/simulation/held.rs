@@ -15,8 +15,8 @@ use crate::{
     arrays::maybe_rows,
     errors::{of_run, of_value},
     frames::Frame,
-    outside,
     views::Snapshot,
+    without_gil,
 };
 
 /// The engine is out of reach for about this long at a time: Ctrl-C waits no longer, if a step does not.
@@ -33,7 +33,7 @@ impl Simulation {
         py: Python<'_>,
         work: impl FnOnce(&mut windswept::Simulation) -> T + Send,
     ) -> PyResult<T> {
-        outside(py, || work(&mut lock(&self.engine)))
+        without_gil(py, || work(&mut lock(&self.engine)))
     }
 
     /// Works with the engine, the interpreter released, where the work is part of a run.
@@ -48,7 +48,7 @@ impl Simulation {
     /// Takes an array of the state as it is now: read back with all others when the first of them is asked for.
     pub(crate) fn take<T: Send>(&self, py: Python<'_>, pick: fn(&mut Snapshot) -> Option<T>) -> PyResult<T> {
         let epoch = self.epoch.load(Ordering::Acquire);
-        let taken = outside(py, || {
+        let taken = without_gil(py, || {
             let mut snapshot = lock(&self.snapshot);
             if snapshot.epoch == Some(epoch)
                 && let Some(array) = pick(&mut snapshot)

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use windswept_export::{Followers, Renderer};
 
 use super::{Picture, Simulation, held::lock};
-use crate::errors::{of_export, of_value};
+use crate::errors::{export_error, of_value};
 
 impl Simulation {
     /// Names and values that describe it in a line.
@@ -34,7 +34,7 @@ impl Simulation {
             return Ok(followers.clone());
         }
         let made = Followers::with_groom(engine.scene(), &engine.hair_at_start(), engine.initial().followers.as_ref());
-        let made = made.map_err(|error| of_export(&error))?;
+        let made = made.map_err(|error| export_error(&error))?;
         Ok(followers.insert(Arc::new(made)).clone())
     }
 
@@ -51,7 +51,7 @@ impl Simulation {
         scene.camera.height = size.1.unwrap_or(scene.camera.height);
         let start = engine.hair_at_start();
         let made = Renderer::with_groom(engine.engine().gpu(), &scene, &start, engine.initial().followers.as_ref());
-        let made = made.map_err(|error| of_export(&error))?;
+        let made = made.map_err(|error| export_error(&error))?;
         let made = Arc::new(made);
         *renderer = Some((size, made.clone()));
         Ok(made)

@@ -65,9 +65,9 @@ pub struct Place {
     /// Where it starts \[m\].
     pub start: DVec3,
     /// Move of the place \[m\].
-    pub travel: DVec3,
+    pub displacement: DVec3,
     /// Response W: its move by a unit of force \[m/N\].
-    pub reply: f64,
+    pub effective_inverse_mass: f64,
 }
 
 impl Place {
@@ -76,15 +76,16 @@ impl Place {
     pub fn between(a: Self, b: Self, part: f64) -> Self {
         Self {
             start: a.start.lerp(b.start, part),
-            travel: a.travel.lerp(b.travel, part),
-            reply: (1.0 - part).powi(2) * a.reply + part * part * b.reply,
+            displacement: a.displacement.lerp(b.displacement, part),
+            effective_inverse_mass: (1.0 - part).powi(2) * a.effective_inverse_mass
+                + part * part * b.effective_inverse_mass,
         }
     }
 
     /// Where the place goes \[m\].
     #[must_use]
     pub fn end(&self) -> DVec3 {
-        self.start + self.travel
+        self.start + self.displacement
     }
 
     /// Way of the place seen from a body \[m\].
@@ -158,7 +159,7 @@ pub fn contacts(s: &State, w: &mut Scratch, p: &Parameters) {
         let (points, first_segment) = (s.hair.points(strand), s.hair.segments(strand).start);
         let rests = &s.hair.rest_length[s.hair.segments(strand)];
         let length: f64 = rests.iter().sum();
-        let forgets = s.bad[strand] || drive.state == rods::State::Teleported;
+        let forgets = s.failed[strand] || drive.state == rods::State::Teleported;
         let held = s.inverse_mass[points.start] == 0.0;
         let root = s.position[points.start];
         let depth = bodies.iter().map(|body| -body.surface(body.carried(root)).distance).fold(0.0, f64::max);
@@ -169,14 +170,14 @@ pub fn contacts(s: &State, w: &mut Scratch, p: &Parameters) {
             let mut segment_begins = None;
             for (k, i) in points.clone().enumerate() {
                 let x = s.position[i];
-                let ends = Place { start: x, travel: body.moves(x), reply: 0.0 };
+                let ends = Place { start: x, displacement: body.moves(x), effective_inverse_mass: 0.0 };
                 let start = body.surface(ends.end());
-                let moves = ends.travel.length();
+                let moves = ends.displacement.length();
                 let l = rests[k.max(1) - 1];
                 drive.meets |= start.distance - moves < length;
-                drive.woken |= s.asleep[strand] && moves > 0.0 && start.distance - moves < l;
+                drive.woken |= s.sleeping[strand] && moves > 0.0 && start.distance - moves < l;
                 drive.comes_out |= k >= drive.embedded.max(1) && is_deep(p, start.distance);
-                let ahead = Place { travel: p.step * w.moving.points[i].velocity, ..ends };
+                let ahead = Place { displacement: p.step * w.moving.points[i].velocity, ..ends };
                 let contact = recall(p, memory(i * count + b), body, start, forgets);
                 w.moving.point_contacts[i * count + b] = flattened(contact, body, &ahead);
                 if let Some((begins, first)) = segment_begins {
@@ -314,8 +315,8 @@ pub(crate) fn parted(before: &Contact, distance: f64, starts: bool) -> Met {
 }
 
 /// Stiffness k of a contact of a place with this response \[N/m\].
-pub(crate) fn stiffness(p: &Parameters, reply: f64) -> f64 {
-    STIFFNESS.max((OMEGA * p.step).powi(2)) / reply
+pub(crate) fn stiffness(p: &Parameters, effective_inverse_mass: f64) -> f64 {
+    STIFFNESS.max((OMEGA * p.step).powi(2)) / effective_inverse_mass
 }
 
 /// A contact with the surface seen from the place; `l` is the length of the segment \[m\].
@@ -335,7 +336,7 @@ pub(crate) fn meet(
         (surface.normal, surface.distance)
     };
     let distance = distance + (-before.before - RECOVERY * p.step).max(0.0);
-    let k = stiffness(p, place.reply);
+    let k = stiffness(p, place.effective_inverse_mass);
     let force = before.multiplier - k * distance;
     // A contact that was live stays, or leaves, as the linear model has it.
     let pulled = before.linear > 0.0;
@@ -344,10 +345,10 @@ pub(crate) fn meet(
         (true, true) => pulled || distance <= 0.0,
         (true, false) => pulled && distance < STAYS * l,
     };
-    if place.reply == 0.0 || !live {
+    if place.effective_inverse_mass == 0.0 || !live {
         return parted(before, distance, starts);
     }
-    let pushed = !before.live && force * place.reply > NOTICED;
+    let pushed = !before.live && force * place.effective_inverse_mass > NOTICED;
     let contact = Contact { normal, force, live: true, ..parted(before, distance, starts).contact };
     let mut met = Met { contact, changed: !starts && (force < 0.0 || pushed), lags: false };
     if is_deep(p, before.before) {
@@ -358,7 +359,7 @@ pub(crate) fn meet(
         return met;
     }
     let off = (force - before.lag).abs();
-    met.lags |= off > LAGS * force && off * place.reply > 1e-9;
+    met.lags |= off > LAGS * force && off * place.effective_inverse_mass > 1e-9;
     let tried = before.held.reject_from_normalized(normal) - k * way.reject_from_normalized(normal);
     let most = body.body.friction * before.lag;
     let turns_back = before.slides && tried.dot(before.friction) < 0.0;
@@ -370,9 +371,9 @@ pub(crate) fn meet(
 }
 
 /// The stiffness of a contact \[N/m\], and the force by which it resists \[N\]; the Newton step counts from 0.
-pub(crate) fn resists(p: &Parameters, contact: &Contact, reply: f64, step: u32) -> (DMat3, DVec3) {
+pub(crate) fn resists(p: &Parameters, contact: &Contact, effective_inverse_mass: f64, step: u32) -> (DMat3, DVec3) {
     let dyad = |k: f64, v: DVec3| DMat3::from_cols(k * v.x * v, k * v.y * v, k * v.z * v);
-    let normal = dyad(stiffness(p, reply) - contact.grip, contact.normal);
+    let normal = dyad(stiffness(p, effective_inverse_mass) - contact.grip, contact.normal);
     let mut stiffness = normal + DMat3::from_diagonal(DVec3::splat(contact.grip));
     if contact.slides && contact.grip > 0.0 {
         let keeps = if step >= SLOW { 1.0 - SLIDING } else { 1.0 };

@@ -10,7 +10,7 @@ pub const STIFFNESS: f64 = 0.25;
 
 /// What friction asks of a hair point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Rub {
+pub struct FrictionPoint {
     /// Velocity at which the point would go through this step without friction, and the pull of its grip \[m/s\].
     pub pull: DVec3,
     /// Velocity at which the point went through the last step \[m/s\].
@@ -22,9 +22,9 @@ pub struct Rub {
 /// What friction asks of hair point `i`. The constraint has moved the point by `correction` \[m\] in this step. What rod and
 /// gravity do to the point is taken from its last step awake.
 #[must_use]
-pub fn slip(p: &Parameters, s: &State, i: usize, correction: DVec3, multiplier: f64) -> Rub {
+pub fn slip(p: &Parameters, s: &State, i: usize, correction: DVec3, multiplier: f64) -> FrictionPoint {
     let ahead = s.velocity[i] + s.own[i] + correction / p.step;
-    Rub { pull: ahead + STIFFNESS * s.grip[i], moved: s.travel[i] / p.step, multiplier }
+    FrictionPoint { pull: ahead + STIFFNESS * s.grip[i], moved: s.displacement[i] / p.step, multiplier }
 }
 
 /// Points of other strands near hair point `i`.
@@ -33,22 +33,22 @@ fn others<'a>(p: &'a Parameters, near: &'a Neighbours, i: usize) -> impl Iterato
 }
 
 /// Impulse p_ij = |(Λ_i V_j + Λ_j V_i) ∇W|/Δt by which the density constraint squeezes a pair \[N s\].
-fn pressed(p: &Parameters, x: &[DVec3], volume: &[f64], rubs: &[Rub], i: usize, j: usize) -> f64 {
-    let both = rubs[i].multiplier * volume[j] + rubs[j].multiplier * volume[i];
+fn pressed(p: &Parameters, x: &[DVec3], volume: &[f64], points: &[FrictionPoint], i: usize, j: usize) -> f64 {
+    let both = points[i].multiplier * volume[j] + points[j].multiplier * volume[i];
     both.abs() * spiky_slope((x[i] - x[j]).length(), p.kernel_radius) / p.step
 }
 
 /// Squeeze w_i Σ_j p_ij of each hair point between the points of other strands \[m/s\].
 #[must_use]
-pub fn squeeze(
+pub fn normal_impulse(
     p: &Parameters,
     x: &[DVec3],
     inverse_mass: &[f64],
     volume: &[f64],
-    rubs: &[Rub],
+    points: &[FrictionPoint],
     near: &Neighbours,
 ) -> Vec<f64> {
-    let sum = |i: usize| others(p, near, i).map(|j| pressed(p, x, volume, rubs, i, j)).sum::<f64>();
+    let sum = |i: usize| others(p, near, i).map(|j| pressed(p, x, volume, points, i, j)).sum::<f64>();
     (0..p.hair_points).map(|i| inverse_mass[i] * sum(i)).collect()
 }
 
@@ -72,8 +72,8 @@ pub fn friction(
     grip: &[DVec3],
     inverse_mass: &[f64],
     volume: &[f64],
-    rubs: &[Rub],
-    squeezed: &[f64],
+    points: &[FrictionPoint],
+    normal_impulses: &[f64],
     near: &Neighbours,
 ) -> (Vec<DVec3>, Vec<DVec3>) {
     let each = |i: usize| {
@@ -81,16 +81,16 @@ pub fn friction(
         let (mut held, mut most) = (0.0, 0.0);
         for j in others(p, near, i) {
             let gap = x[i] - x[j];
-            let (pressed, both) = (pressed(p, x, volume, rubs, i, j), squeezed[i] + squeezed[j]);
+            let (pressed, both) = (pressed(p, x, volume, points, i, j), normal_impulses[i] + normal_impulses[j]);
             if both == 0.0 || gap == DVec3::ZERO {
                 continue;
             }
-            let pull = (rubs[i].pull - rubs[j].pull).reject_from(gap);
+            let pull = (points[i].pull - points[j].pull).reject_from(gap);
             let coefficient = p.friction[p.strand_of[i]].min(p.friction[p.strand_of[j]]);
             let sticks = pressed / both;
             let share = if pull == DVec3::ZERO { sticks } else { sticks.min(coefficient * pressed / pull.length()) };
             change -= inverse_mass[i] * share * pull;
-            slid += inverse_mass[i] * share * (rubs[i].moved - rubs[j].moved).reject_from(gap);
+            slid += inverse_mass[i] * share * (points[i].moved - points[j].moved).reject_from(gap);
             held += share;
             most += sticks;
         }

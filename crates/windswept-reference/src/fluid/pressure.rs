@@ -23,22 +23,22 @@ use crate::{
 };
 
 /// Most of the way U Δt/d in a step by which particles are spread: with 0.1 strong eddies crowd air more and more.
-const MOST_BY_WAY: f64 = 0.065;
+const MAX_BY_WAY: f64 = 0.065;
 /// Most of the deformation |G| Δt of the flow in a step by which particles are spread in a scene without wind, where air that
 /// whirls would clump. Where wind blows it would move them across the shear behind hair.
 const BY_DEFORMATION: f64 = 0.05;
 /// Way \[particle spacings\] or deformation in 1.38 ms below which air is still; from twice that on it is not.
 const STILL: f64 = 1e-3;
 /// Most that unresolved eddies add to the XSPH coefficient c.
-const MOST_EDDIES: f64 = 0.25;
+const MAX_EDDIES: f64 = 0.25;
 /// Largest spread in units of h² s_i.
-const MOST_SPREAD: f64 = 0.1;
+const MAX_SPREAD: f64 = 0.1;
 /// Longest move of a particle by the spread \[particle spacings\].
 const LONGEST_SPREAD: f64 = 0.25;
 /// Softening of M, which is about 1 where particles are.
 const SOFTENING: f64 = 0.02;
 /// Least determinant of M, and largest trace of B, with which gradients are corrected.
-const LEAST_DETERMINANT: f64 = 0.15;
+const MIN_DETERMINANT: f64 = 0.15;
 const LARGEST_TRACE: f64 = 6.0;
 /// Density ρ/ρ0 below which a particle is at a surface: there pressure pushes and does not pull.
 pub const THIN: f64 = 0.6;
@@ -219,7 +219,7 @@ pub fn spread(
         if let Some(wall) = walls.get(i) {
             uneven -= gradient_beyond(p, wall.distance) * wall.normal;
         }
-        let mut part = (p.spreading * p.largest_wind.max(v[i].length()) * p.step / spacing).min(MOST_BY_WAY);
+        let mut part = (p.spreading * p.largest_wind.max(v[i].length()) * p.step / spacing).min(MAX_BY_WAY);
         if p.largest_wind == 0.0 {
             let deformed = deformation[i];
             let motion = deformed.max(p.step * v[i].length() / spacing);
@@ -229,7 +229,7 @@ pub fn spread(
         if let Some(wall) = walls.get(i) {
             part = part.max(BESIDE * wall.way);
         }
-        let part = part.min(MOST_SPREAD);
+        let part = part.min(MAX_SPREAD);
         (-p.kernel_radius.powi(2) * part * uneven).clamp_length_max(LONGEST_SPREAD * spacing)
     };
     (0..x.len()).map(each).collect()
@@ -249,7 +249,7 @@ pub fn deform(p: &Parameters, x: &[DVec3], v: &[DVec3], volume: &[f64], near: &N
 /// from a deformation |G_i| Δt.
 #[must_use]
 pub fn eddies(p: &Parameters, deformation: f64) -> f64 {
-    (p.viscosity_eddies * deformation).min(MOST_EDDIES)
+    (p.viscosity_eddies * deformation).min(MAX_EDDIES)
 }
 
 /// Matrix a bᵀ.
@@ -306,7 +306,7 @@ pub fn moments(
 
 /// Inverse of M, or 1 where it would be far from it.
 fn inverse(moment: DMat3) -> DMat3 {
-    if moment.determinant() < LEAST_DETERMINANT {
+    if moment.determinant() < MIN_DETERMINANT {
         return DMat3::IDENTITY;
     }
     let inverse = moment.inverse();

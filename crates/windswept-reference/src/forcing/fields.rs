@@ -21,7 +21,7 @@ pub struct Field {
     /// Way over which air takes the field's wind up \[m\].
     pub uptake: f64,
     /// Times \[s\] and strengths \[m/s\], linear in between.
-    pub course: Vec<(f64, f64)>,
+    pub keyframes: Vec<(f64, f64)>,
 }
 
 /// Force fields of a scene; none where they do nothing.
@@ -34,7 +34,7 @@ pub(crate) fn fields(scene: &Scene, initial: &InitialState) -> Vec<Field> {
         reach: force.reach,
         radius: force.radius,
         uptake: force.uptake,
-        course: force.keyframes(),
+        keyframes: force.keyframes(),
     });
     field.collect()
 }
@@ -43,8 +43,8 @@ pub(crate) fn fields(scene: &Scene, initial: &InitialState) -> Vec<Field> {
 #[must_use]
 pub fn field_strengths(p: &Parameters, field: &Field, steps: u64) -> f64 {
     let time = steps as f64 * p.step;
-    let next = field.course.partition_point(|(at, _)| *at <= time);
-    match (next.checked_sub(1).map(|last| field.course[last]), field.course.get(next)) {
+    let next = field.keyframes.partition_point(|(at, _)| *at <= time);
+    match (next.checked_sub(1).map(|last| field.keyframes[last]), field.keyframes.get(next)) {
         (Some((a, from)), Some((b, to))) => from + (time - a) / (b - a) * (to - from),
         (Some((_, held)), None) | (None, Some(&(_, held))) => held,
         (None, None) => 0.0,
@@ -85,7 +85,7 @@ fn blown(field: &Field, strength: f64, place: DVec3) -> (DVec3, f64) {
 /// Wind Σ u_f of all fields at a place in step number `steps` \[m/s\], beside the mean wind, and the rate Σ w_f |S_f|/uptake_f at
 /// which they draw air to both \[1/s\].
 #[must_use]
-pub fn gale(p: &Parameters, steps: u64, place: DVec3) -> (DVec3, f64) {
+pub fn force_field_velocity(p: &Parameters, steps: u64, place: DVec3) -> (DVec3, f64) {
     let all = p.fields.iter().map(|field| blown(field, field_strengths(p, field, steps + 1), place));
     all.fold((DVec3::ZERO, 0.0), |sum, (wind, rate)| (sum.0 + wind, sum.1 + rate))
 }
@@ -94,6 +94,6 @@ pub fn gale(p: &Parameters, steps: u64, place: DVec3) -> (DVec3, f64) {
 /// has what the wind has added already.
 #[must_use]
 pub fn drive_air(p: &Parameters, steps: u64, position: DVec3, velocity: DVec3) -> DVec3 {
-    let (wind, rate) = gale(p, steps, position);
+    let (wind, rate) = force_field_velocity(p, steps, position);
     (1.0 - (-rate * p.step).exp()) * (super::mean_wind(p, steps + 1) + wind - velocity)
 }

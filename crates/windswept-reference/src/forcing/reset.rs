@@ -1,4 +1,4 @@
-//! Strands that are spoilt when a step begins, and strands that are reset.
+//! Strands that are invalid when a step begins, and strands that are reset.
 
 use glam::DVec3;
 
@@ -11,21 +11,21 @@ const WORLD: f64 = 1e9;
 /// What the square of a frame's length is not off 1 by.
 const UNLIKE: f64 = 0.1;
 
-/// Resets strands before anything else looks at them: those that the step before left bad, and those that are spoilt, which are bad
-/// from here on. Returns the number of the spoilt.
-pub fn mend(s: &mut State) -> usize {
-    let mut spoilt = 0;
+/// Resets strands before anything else looks at them: those that the step before left bad, and those that are invalid, which are bad
+/// from here on. Returns the number of the invalid.
+pub fn recover(s: &mut State) -> usize {
+    let mut invalid = 0;
     for strand in 0..s.hair.len() {
-        if !s.bad[strand] && !inspect(s, strand) {
-            s.bad[strand] = true;
-            spoilt += 1;
+        if !s.failed[strand] && !inspect(s, strand) {
+            s.failed[strand] = true;
+            invalid += 1;
         }
-        if s.bad[strand] {
+        if s.failed[strand] {
             reset(s, strand);
         }
     }
-    s.resets += spoilt;
-    spoilt
+    s.resets += invalid;
+    invalid
 }
 
 /// Says whether a strand is sound: every place, speed and frame of it is finite, and one that a strand can have.
@@ -35,7 +35,7 @@ pub fn inspect(s: &State, strand: usize) -> bool {
     let root = root(s, strand);
     let place = |i: usize| in_reach(s, strand, root, s.position[i]);
     let speed = |i: usize| s.velocity[i].length() <= FAST && s.velocity_before[i].length() <= FAST;
-    let memory = |i: usize| [s.travel[i], s.outside[i], s.own[i], s.grip[i]].iter().all(|v| v.is_finite());
+    let memory = |i: usize| [s.displacement[i], s.external_dv[i], s.own[i], s.grip[i]].iter().all(|v| v.is_finite());
     let frame = |k: usize| (s.orientation[k].length_squared() - 1.0).abs() <= UNLIKE;
     points.clone().all(|i| place(i) && speed(i) && memory(i)) && s.hair.segments(strand).all(frame)
 }
@@ -68,7 +68,7 @@ pub fn reset(s: &mut State, strand: usize) {
     }
     for (i, place) in points.zip(places) {
         s.position[i] = place;
-        (s.velocity[i], s.velocity_before[i], s.travel[i]) = Default::default();
-        (s.outside[i], s.own[i], s.grip[i], s.rest_drift[i]) = Default::default();
+        (s.velocity[i], s.velocity_before[i], s.displacement[i]) = Default::default();
+        (s.external_dv[i], s.own[i], s.grip[i], s.rest_drift[i]) = Default::default();
     }
 }

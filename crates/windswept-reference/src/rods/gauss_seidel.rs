@@ -58,7 +58,7 @@ fn stretch_shear(p: &Parameters, hair: &Strands, m: &mut Moving, k: usize, point
     let own = &m.segments[k];
     let q = own.frame;
     let tangent = q * DVec3::Z;
-    let chord = own.chord + m.points[point + 1].travel - m.points[point].travel;
+    let chord = own.chord + m.points[point + 1].displacement - m.points[point].displacement;
     let constraint = q.conjugate() * (chord / l - tangent);
     let compliance = hair.stretch_compliance[k] / response(p.damping, own.step);
     let system = DVec3::splat((w0 + w1) / (l * l)) + wq * DVec3::new(1.0, 1.0, 0.0) + compliance;
@@ -67,6 +67,6 @@ fn stretch_shear(p: &Parameters, hair: &Strands, m: &mut Moving, k: usize, point
     let force = q * change;
     m.segments[k].stretch += change;
     m.segments[k].frame = turned(q, -wq * tangent.cross(force));
-    m.points[point].travel -= w0 / l * force;
-    m.points[point + 1].travel += w1 / l * force;
+    m.points[point].displacement -= w0 / l * force;
+    m.points[point + 1].displacement += w1 / l * force;
 }

@@ -17,19 +17,19 @@ pub fn free_move(
     p: &Parameters,
     now: DVec3,
     before: DVec3,
-    carried: DVec3,
+    previous_move: DVec3,
     acceleration: DVec3,
     damping: f64,
     h: f64,
 ) -> DVec3 {
     let v = if h < p.step { (4.0 * now - before) / 3.0 } else { now };
-    carry(p, h) * carried + h * (v + h * acceleration) / (1.0 + damping * h)
+    carry(p, h) * previous_move + h * (v + h * acceleration) / (1.0 + damping * h)
 }
 
 /// Velocity v_{n+1} = (move − carry d)/h.
 #[must_use]
-pub fn rate(p: &Parameters, shift: DVec3, carried: DVec3, h: f64) -> DVec3 {
-    (shift - carry(p, h) * carried) / h
+pub fn rate(p: &Parameters, shift: DVec3, previous_move: DVec3, h: f64) -> DVec3 {
+    (shift - carry(p, h) * previous_move) / h
 }
 
 /// Move h²/(1 + c h) of a unit of mass by a unit of force \[s²\]. `damping` is c \[1/s\].

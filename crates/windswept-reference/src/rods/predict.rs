@@ -4,7 +4,7 @@ use glam::{DQuat, DVec3};
 use windswept_scene::{Model, Strands};
 
 use super::{
-    AT_TIP, Drive, Load, Moving, Point, STILL_STEPS, Segment, State, TURN, WHOLE, damping, free_move, rotation,
+    AT_TIP, Drive, Load, Moving, Point, RESTING_STEPS, Segment, State, TURN, WHOLE, damping, free_move, rotation,
 };
 use crate::{Parameters, state};
 
@@ -15,16 +15,16 @@ const OPPOSITE: f64 = 1e-4;
 
 /// Decides how a strand goes through the step: reset, teleported, asleep or integrated; and where its solver starts.
 pub fn predict(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Drive, m: &mut Moving) {
-    let asleep = s.asleep[strand];
+    let sleeping = s.sleeping[strand];
     let tip = &mut m.points[s.hair.points(strand).end - 1];
-    tip.tip_travel = if tip.held_tip { drive.tip_travel } else { DVec3::ZERO };
+    tip.tip_displacement = if tip.held_tip { drive.tip_displacement } else { DVec3::ZERO };
     let push = load(p, s, strand, m);
-    let rested = s.still[strand] >= STILL_STEPS && f64::from(s.still[strand]) * p.step >= p.rest[strand].time;
+    let rested = s.resting[strand] >= RESTING_STEPS && f64::from(s.resting[strand]) * p.step >= p.rest[strand].time;
     // A trembling strand feels a trembling drag, which must not wake it.
-    let pushed = (asleep || p.model == Model::Particles) && push > p.rest[strand].acceleration * p.step;
-    let resets = std::mem::take(&mut s.bad[strand]);
-    let sleeps = !resets && drive.state == State::Asleep && rested && !pushed && !(asleep && drive.woken);
-    s.asleep[strand] = sleeps;
+    let pushed = (sleeping || p.model == Model::Particles) && push > p.rest[strand].acceleration * p.step;
+    let resets = std::mem::take(&mut s.failed[strand]);
+    let sleeps = !resets && drive.state == State::Sleeping && rested && !pushed && !(sleeping && drive.woken);
+    s.sleeping[strand] = sleeps;
     if sleeps {
         place(&s.hair, strand, drive, m, false);
         return;
@@ -32,9 +32,9 @@ pub fn predict(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut 
     if resets || drive.state == State::Teleported {
         place(&s.hair, strand, drive, m, resets);
         for point in &mut m.points[s.hair.points(strand)] {
-            (point.load, point.outside) = (Load::default(), DVec3::ZERO);
+            (point.load, point.external_dv) = (Load::default(), DVec3::ZERO);
         }
-        (s.still[strand], s.bdf2_ready[strand], drive.tip_force) = (0, false, DVec3::ZERO);
+        (s.resting[strand], s.bdf2_ready[strand], drive.tip_force) = (0, false, DVec3::ZERO);
         if resets {
             drive.state = State::Solved;
         }
@@ -42,8 +42,8 @@ pub fn predict(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut 
     }
     drive.state = State::Free;
     s.bdf2_ready[strand] = true;
-    if asleep {
-        s.still[strand] = 0;
+    if sleeping {
+        s.resting[strand] = 0;
     }
     set_off(p, &s.hair, strand, drive, m);
 }
@@ -55,9 +55,9 @@ fn load(p: &Parameters, s: &state::State, strand: usize, m: &mut Moving) -> f64 
     for i in s.hair.points(strand).filter(|&i| s.inverse_mass[i] > 0.0) {
         let point = &mut m.points[i];
         let felt = p.step * point.inverse_mass * point.load.at(s.velocity[i]);
-        point.outside += felt;
-        point.push += felt;
-        pushes.push(point.push + if s.asleep[strand] { s.velocity[i] } else { DVec3::ZERO });
+        point.external_dv += felt;
+        point.impulse_change += felt;
+        pushes.push(point.impulse_change + if s.sleeping[strand] { s.velocity[i] } else { DVec3::ZERO });
     }
     let count = pushes.len() as f64;
     let largest = pushes.iter().map(|push| push.length()).fold(0.0, f64::max);
@@ -81,30 +81,32 @@ fn set_off(p: &Parameters, hair: &Strands, strand: usize, drive: &Drive, m: &mut
         point.free = match (point.inverse_mass > 0.0, i == first) {
             (true, _) => {
                 let damping = damping(p, point);
-                let [now, before, carried] = [point.velocity, point.before, point.carried].map(|v| keeps * v);
-                free_move(p, now, before, carried, acceleration, damping, h)
+                let [now, before, previous_move] =
+                    [point.velocity, point.before, point.previous_move].map(|v| keeps * v);
+                free_move(p, now, before, previous_move, acceleration, damping, h)
             }
-            (false, true) => drive.root_travel,
+            (false, true) => drive.root_displacement,
             // Where it is held, seen from where it was shifted to.
-            (false, false) => drive.tip_travel - point.shift,
+            (false, false) => drive.tip_displacement - point.shift,
         };
-        point.travel = point.free;
+        point.displacement = point.free;
     }
     if p.direct && m.points[first].inverse_mass > 0.0 {
-        m.points[first].travel = p.step * keeps * m.points[first].velocity;
+        m.points[first].displacement = p.step * keeps * m.points[first].velocity;
     }
     for (k, i) in hair.segments(strand).zip(hair.points(strand)) {
-        let travel = m.points[i].travel;
+        let displacement = m.points[i].displacement;
         let segment = &mut m.segments[k];
         segment.step = h;
-        let [now, before, carried] = [segment.angular_velocity, segment.before, segment.carried].map(|v| keeps * v);
-        segment.free = rotation(free_move(p, now, before, carried, DVec3::ZERO, p.damping, h));
+        let [now, before, previous_move] =
+            [segment.angular_velocity, segment.before, segment.previous_move].map(|v| keeps * v);
+        segment.free = rotation(free_move(p, now, before, previous_move, DVec3::ZERO, p.damping, h));
         segment.turn = rotation((p.step * now).clamp_length_max(TURN));
         let turn = if p.direct { segment.turn } else { segment.free };
         segment.frame = (turn * segment.start).normalize();
         segment.strain = segment.turn * segment.strain;
         if p.direct {
-            m.points[i + 1].travel = travel + segment.turn * segment.chord - segment.chord;
+            m.points[i + 1].displacement = displacement + segment.turn * segment.chord - segment.chord;
         }
     }
 }
@@ -147,7 +149,7 @@ fn onto(chord: DVec3, frame: DQuat) -> DQuat {
 fn place(hair: &Strands, strand: usize, drive: &Drive, m: &mut Moving, at_rest: bool) {
     let (mut frame, mut offset, mut rest) = (drive.root_frame, DVec3::ZERO, DVec3::ZERO);
     let first = hair.points(strand).start;
-    put(&mut m.points[first], drive.root_travel);
+    put(&mut m.points[first], drive.root_displacement);
     for (k, i) in hair.segments(strand).zip(first + 1..) {
         let segment = &mut m.segments[k];
         frame = (if at_rest { frame * hair.rest_rotation[k] } else { drive.root_turn * segment.start }).normalize();
@@ -159,12 +161,12 @@ fn place(hair: &Strands, strand: usize, drive: &Drive, m: &mut Moving, at_rest: 
         rest += hair.rest_length[k] * (frame * DVec3::Z);
         let end = if at_rest { rest } else { drive.root_turn * offset };
         let stays = at_rest && i + 1 == hair.points(strand).end && m.points[i].inverse_mass == 0.0;
-        put(&mut m.points[i], if stays { drive.tip_travel } else { drive.root_travel + end - offset });
+        put(&mut m.points[i], if stays { drive.tip_displacement } else { drive.root_displacement + end - offset });
     }
 }
 
-pub(super) fn put(point: &mut Point, travel: DVec3) {
-    (point.travel, point.step) = (travel, f64::INFINITY);
+pub(super) fn put(point: &mut Point, displacement: DVec3) {
+    (point.displacement, point.step) = (displacement, f64::INFINITY);
 }
 
 pub(super) fn put_frame(segment: &mut Segment, frame: DQuat) {

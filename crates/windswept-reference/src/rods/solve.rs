@@ -93,7 +93,7 @@ pub fn solve(p: &Parameters, hair: &Strands, s: usize, drive: &mut Drive, m: &mu
         drive,
         newton: 0,
     };
-    if !rod.points.iter().all(|point| (point.free + point.travel).is_finite()) {
+    if !rod.points.iter().all(|point| (point.free + point.displacement).is_finite()) {
         // Frames that are not finite lead points to where nothing is.
         return;
     }
@@ -126,9 +126,11 @@ pub fn solve(p: &Parameters, hair: &Strands, s: usize, drive: &mut Drive, m: &mu
 #[must_use]
 pub fn potential(p: &Parameters, hair: &Strands, s: usize, drive: &Drive, m: &Moving) -> f64 {
     let (points, segments) = (&m.points[hair.points(s)], &m.segments[hair.segments(s)]);
-    let reply = |point: &Point| point.reply(p);
+    let effective_inverse_mass = |point: &Point| point.effective_inverse_mass(p);
     let moved = points.iter().filter(|point| point.inverse_mass > 0.0);
-    let mut sum: f64 = moved.map(|point| (point.travel - point.free).length_squared() / (2.0 * reply(point))).sum();
+    let mut sum: f64 = moved
+        .map(|point| (point.displacement - point.free).length_squared() / (2.0 * effective_inverse_mass(point)))
+        .sum();
     let first = hair.segments(s).start;
     for (k, segment) in segments.iter().enumerate() {
         let off = segment.turn * segment.free.conjugate();
@@ -246,7 +248,7 @@ impl Rod<'_> {
         self.drive.tip_force += part * change;
         let tip = &self.points[self.points.len() - 1];
         let length: f64 = self.hair.rest_length[self.hair.segments(self.strand)].iter().sum();
-        if tip.inverse_mass == 0.0 { most.max((tip.travel - tip.free).length() / length) } else { most }
+        if tip.inverse_mass == 0.0 { most.max((tip.displacement - tip.free).length() / length) } else { most }
     }
 
     /// Answer of joint and segment `k`, with `after` beyond the segment; and what lies beyond the joint then.
@@ -259,17 +261,17 @@ impl Rod<'_> {
             segment.frame.conjugate() * segment.strain / l,
         );
         let Beyond { mut matrix, mut vectors } = after;
-        let mass = if end.inverse_mass > 0.0 { 1.0 / end.reply(self.p) } else { 0.0 };
+        let mass = if end.inverse_mass > 0.0 { 1.0 / end.effective_inverse_mass(self.p) } else { 0.0 };
         add(&mut matrix, (3, 3), DMat3::from_diagonal(DVec3::splat(mass)));
-        add_force(&mut vectors, vector(DVec3::ZERO, mass * (end.travel - end.free)));
+        add_force(&mut vectors, vector(DVec3::ZERO, mass * (end.displacement - end.free)));
         self.push_point(k + 1, &mut matrix, &mut vectors);
         let passed = passed(&matrix, &vectors, &stretch);
 
         // From the segment's end to its first point: s' = T (s + z).
         let arm = l * axes.z_axis + segment.strain;
-        let mut carried = Matrix6::identity();
-        add(&mut carried, (3, 0), -cross_matrix(arm));
-        (matrix, vectors) = (carried.transpose() * matrix * carried, carried.transpose() * vectors);
+        let mut previous_move = Matrix6::identity();
+        add(&mut previous_move, (3, 0), -cross_matrix(arm));
+        (matrix, vectors) = (previous_move.transpose() * matrix * previous_move, previous_move.transpose() * vectors);
         let (contacts, push) = self.push_segment(k, arm);
         // The pull of what lies beyond, which the frame resists turning off.
         let pull = -(passed + parts(&push).1);
@@ -308,9 +310,9 @@ impl Rod<'_> {
     fn root_moves(&self, root: &Beyond) -> Matrix6x4<f64> {
         let (first, mut moves) = (&self.points[0], Matrix6x4::zeros());
         if first.inverse_mass > 0.0 {
-            let mass = 1.0 / first.reply(self.p);
+            let mass = 1.0 / first.effective_inverse_mass(self.p);
             let Beyond { mut matrix, mut vectors } = *root;
-            add_force(&mut vectors, vector(DVec3::ZERO, mass * (first.travel - first.free)));
+            add_force(&mut vectors, vector(DVec3::ZERO, mass * (first.displacement - first.free)));
             add(&mut matrix, (3, 3), DMat3::from_diagonal(DVec3::splat(mass)));
             self.push_point(0, &mut matrix, &mut vectors);
             let all = block(&matrix, (3, 3)).inverse();
@@ -332,14 +334,14 @@ impl Rod<'_> {
         for (k, answer) in answers.iter().enumerate() {
             let segment = &self.segments[k];
             let arm = self.rest_length(k) * (segment.frame * DVec3::Z) + segment.strain;
-            let mut carried = Matrix6::identity();
-            add(&mut carried, (3, 0), -cross_matrix(arm));
-            states = carried * (states + answer.constant + answer.gain * states);
+            let mut previous_move = Matrix6::identity();
+            add(&mut previous_move, (3, 0), -cross_matrix(arm));
+            states = previous_move * (states + answer.constant + answer.gain * states);
             turns.push(states);
         }
         let column = |c: usize| parts(&states.column(c).into()).1;
         let by_force = DMat3::from_cols(column(1), column(2), column(3));
-        let change = -(by_force.inverse() * (tip.travel - tip.free + column(0)));
+        let change = -(by_force.inverse() * (tip.displacement - tip.free + column(0)));
         let both = Vector4::new(1.0, change.x, change.y, change.z);
         let most = turns.iter().map(|states| parts(&(states * both)).0.length()).fold(0.0, f64::max);
         (change, (HELD_TURN / most).min(1.0))
@@ -350,7 +352,7 @@ impl Rod<'_> {
     fn apply(&mut self, answers: &[Answer], root_moves: &Matrix6x4<f64>, tip: Vector4<f64>, part: f64) -> f64 {
         let mut most = 0.0_f64;
         let (mut turn, mut shift) = parts(&(root_moves * tip));
-        self.points[0].travel += part * shift;
+        self.points[0].displacement += part * shift;
         self.foresee_point(0, shift);
         let cut = |v: DVec3, longest: f64| if part < 1.0 { v } else { v.clamp_length_max(longest) };
         for (k, answer) in answers.iter().enumerate() {
@@ -383,15 +385,15 @@ impl Rod<'_> {
             let segment = &self.segments[k];
             let l = self.hair.rest_length[self.of_segment(k)];
             let now = l * (segment.frame * DVec3::Z) + segment.strain;
-            self.points[k + 1].travel = self.points[k].travel + now - segment.chord;
+            self.points[k + 1].displacement = self.points[k].displacement + now - segment.chord;
         }
     }
 
     /// Hair that comes out of a body goes its way through the step, beside that of its root, only in part, so that no point of it is faster than
     /// [`RECOVERY`]: all frames turn by that part.
     fn crawl(&mut self) {
-        let root = self.points[0].travel;
-        let far = self.points.iter().map(|point| point.travel.distance(root)).fold(0.0, f64::max);
+        let root = self.points[0].displacement;
+        let far = self.points.iter().map(|point| point.displacement.distance(root)).fold(0.0, f64::max);
         let part = (RECOVERY * self.p.step / far).min(1.0);
         for segment in &mut *self.segments {
             let turn = rotation(part * rotation_vector(segment.turn));
@@ -407,15 +409,15 @@ impl Rod<'_> {
         let last = self.points.len() - 1;
         let (root, tip) = (self.points[0].inverse_mass, self.points[last].inverse_mass);
         if tip == 0.0 {
-            let gap = self.points[last].travel - self.points[last].free;
+            let gap = self.points[last].displacement - self.points[last].free;
             for k in 1..=last {
-                self.points[k].travel -= k as f64 / last as f64 * gap;
+                self.points[k].displacement -= k as f64 / last as f64 * gap;
             }
         } else if root > 0.0 && !touches {
-            let mass = |point: &Point| 1.0 / point.reply(self.p);
+            let mass = |point: &Point| 1.0 / point.effective_inverse_mass(self.p);
             let all: f64 = self.points.iter().map(mass).sum();
-            let momentum: DVec3 = self.points.iter().map(|point| mass(point) * (point.travel - point.free)).sum();
-            self.points.iter_mut().for_each(|point| point.travel -= momentum / all);
+            let momentum: DVec3 = self.points.iter().map(|point| mass(point) * (point.displacement - point.free)).sum();
+            self.points.iter_mut().for_each(|point| point.displacement -= momentum / all);
         }
     }
 }

@@ -33,7 +33,11 @@ impl Touch {
 impl Rod<'_> {
     fn place_of_point(&self, k: usize) -> Place {
         let point = &self.points[k];
-        Place { start: point.start, travel: point.shift + point.travel, reply: point.reply(self.p) }
+        Place {
+            start: point.start,
+            displacement: point.shift + point.displacement,
+            effective_inverse_mass: point.effective_inverse_mass(self.p),
+        }
     }
 
     fn place_of_segment(&self, k: usize, contact: &Contact) -> Place {
@@ -113,7 +117,8 @@ impl Rod<'_> {
     /// Adds the contacts of point `k` to what lies beyond it.
     pub(super) fn push_point(&self, k: usize, matrix: &mut Matrix6<f64>, vectors: &mut Matrix6x4<f64>) {
         for contact in self.point_contacts[self.of(k)].iter().filter(|contact| contact.live) {
-            let (stiffness, force) = resists(self.p, contact, self.points[k].reply(self.p), self.newton);
+            let (stiffness, force) =
+                resists(self.p, contact, self.points[k].effective_inverse_mass(self.p), self.newton);
             add(matrix, (3, 3), stiffness);
             add_force(vectors, vector(DVec3::ZERO, force));
         }
@@ -124,8 +129,8 @@ impl Rod<'_> {
     pub(super) fn push_segment(&self, k: usize, arm: DVec3) -> (Matrix6<f64>, Vector6<f64>) {
         let (mut matrix, mut forces) = (Matrix6::zeros(), Vector6::zeros());
         for contact in self.segment_contacts[self.of(k)].iter().filter(|contact| contact.live) {
-            let reply = self.place_of_segment(k, contact).reply;
-            let (stiffness, force) = resists(self.p, contact, reply, self.newton);
+            let effective_inverse_mass = self.place_of_segment(k, contact).effective_inverse_mass;
+            let (stiffness, force) = resists(self.p, contact, effective_inverse_mass, self.newton);
             // The place moves by B (turn, move), B = [−[r]×, 1].
             let reach = contact.place * arm;
             let swing = -cross_matrix(reach);
@@ -144,7 +149,7 @@ impl Rod<'_> {
 
     /// The linear model of the contacts of point `k`, which moves.
     pub(super) fn foresee_point(&mut self, k: usize, shift: DVec3) {
-        let (range, k) = (self.of(k), stiffness(self.p, self.points[k].reply(self.p)));
+        let (range, k) = (self.of(k), stiffness(self.p, self.points[k].effective_inverse_mass(self.p)));
         for contact in &mut self.point_contacts[range] {
             contact.linear = contact.multiplier - k * (contact.gap + contact.normal.dot(shift));
         }
@@ -154,7 +159,7 @@ impl Rod<'_> {
     pub(super) fn foresee_segment(&mut self, k: usize, shift: DVec3, swing: DVec3) {
         for i in self.of(k) {
             let contact = self.segment_contacts[i];
-            let k = stiffness(self.p, self.place_of_segment(k, &contact).reply);
+            let k = stiffness(self.p, self.place_of_segment(k, &contact).effective_inverse_mass);
             let moves = shift + contact.place * swing;
             self.segment_contacts[i].linear = contact.multiplier - k * (contact.gap + contact.normal.dot(moves));
         }
@@ -186,6 +191,6 @@ fn slow(point: &mut Point, contact: &Contact, step: f64) {
     }
     let sticks = !contact.slides && contact.grip > 0.0;
     let part = |v: DVec3| if sticks { v } else { v.project_onto_normalized(contact.normal) };
-    point.carried += part(point.travel - point.carried);
-    point.velocity += part(point.travel / step - point.velocity);
+    point.previous_move += part(point.displacement - point.previous_move);
+    point.velocity += part(point.displacement / step - point.velocity);
 }

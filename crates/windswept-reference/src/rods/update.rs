@@ -4,7 +4,7 @@ use glam::DVec3;
 use windswept_scene::{Model, Strands};
 
 use super::{
-    Load, Moving, Point, STILL_STEPS, STILL_TURN, STRAINED, STRAINED_STEPS, State,
+    Load, Moving, Point, RESTING_STEPS, STILL_TURN, STRAINED, STRAINED_STEPS, State,
     predict::{put, put_frame},
 };
 use crate::{Parameters, forcing::FAR, state, step::Scratch};
@@ -14,7 +14,7 @@ pub fn update(p: &Parameters, s: &mut state::State, strand: usize, w: &mut Scrat
     let m = &mut w.moving;
     let Some(stretch) = measure(&s.hair, strand, m) else {
         hold(&s.hair, strand, m);
-        (s.bad[strand], s.bdf2_ready[strand]) = (true, false);
+        (s.failed[strand], s.bdf2_ready[strand]) = (true, false);
         s.resets += 1;
         return;
     };
@@ -23,12 +23,12 @@ pub fn update(p: &Parameters, s: &mut state::State, strand: usize, w: &mut Scrat
     s.over_strained += usize::from(s.strained_steps[strand] == STRAINED_STEPS);
     let drive = &w.drives[strand];
     s.unsolved_steps += usize::from(p.direct && drive.state == State::Free || drive.comes_out);
-    if !p.sleep || s.asleep[strand] {
+    if !p.sleep || s.sleeping[strand] {
         return;
     }
-    s.still[strand] = if still(p, &s.hair, strand, m) { s.still[strand] + 1 } else { 0 };
-    if s.still[strand] > 0 {
-        remember(&s.hair, strand, m, s.still[strand]);
+    s.resting[strand] = if rests(p, &s.hair, strand, m) { s.resting[strand] + 1 } else { 0 };
+    if s.resting[strand] > 0 {
+        remember(&s.hair, strand, m, s.resting[strand]);
     } else {
         m.points[s.hair.points(strand)].iter_mut().for_each(|point| point.rest_drift = DVec3::ZERO);
         m.segments[s.hair.segments(strand)].iter_mut().for_each(|segment| segment.rest_drift = DVec3::ZERO);
@@ -39,10 +39,10 @@ pub fn update(p: &Parameters, s: &mut state::State, strand: usize, w: &mut Scrat
 #[must_use]
 pub fn measure(hair: &Strands, s: usize, m: &Moving) -> Option<f64> {
     let (points, segments) = (hair.points(s), hair.segments(s));
-    let finite = m.points[points.clone()].iter().all(|point| point.travel.is_finite())
+    let finite = m.points[points.clone()].iter().all(|point| point.displacement.is_finite())
         && m.segments[segments.clone()].iter().all(|segment| segment.frame.is_finite());
     let stretches = points.zip(segments).map(|(i, k)| {
-        let chord = m.segments[k].chord + m.points[i + 1].travel - m.points[i].travel;
+        let chord = m.segments[k].chord + m.points[i + 1].displacement - m.points[i].displacement;
         (chord.length() / hair.rest_length[k] - 1.0).abs()
     });
     finite.then(|| stretches.fold(0.0, f64::max)).filter(|stretch| *stretch < FAR)
@@ -52,7 +52,7 @@ pub fn measure(hair: &Strands, s: usize, m: &Moving) -> Option<f64> {
 fn hold(hair: &Strands, s: usize, m: &mut Moving) {
     for point in &mut m.points[hair.points(s)] {
         put(point, DVec3::ZERO);
-        (point.load, point.outside) = (Load::default(), DVec3::ZERO);
+        (point.load, point.external_dv) = (Load::default(), DVec3::ZERO);
     }
     for segment in &mut m.segments[hair.segments(s)] {
         let start = segment.start;
@@ -63,20 +63,21 @@ fn hold(hair: &Strands, s: usize, m: &mut Moving) {
 /// Whether a strand was where it became still when the step began; with `particles`, whose pushes nothing remembers, it must not
 /// be pushed either.
 #[must_use]
-pub fn still(p: &Parameters, hair: &Strands, s: usize, m: &Moving) -> bool {
+pub fn rests(p: &Parameters, hair: &Strands, s: usize, m: &Moving) -> bool {
     let rest = p.rest[s];
     // A strand that nothing holds may drift as slowly as it will.
     let held = m.points[hair.points(s).start].inverse_mass == 0.0;
-    let pushed = |point: &Point| p.model == Model::Particles && point.push.length() > rest.acceleration * p.step;
+    let pushed =
+        |point: &Point| p.model == Model::Particles && point.impulse_change.length() > rest.acceleration * p.step;
     let rests = |point: &Point| point.rest_drift.length() <= rest.way && !pushed(point);
     held && m.points[hair.points(s)].iter().all(rests)
         && m.segments[hair.segments(s)].iter().all(|segment| segment.rest_drift.length() <= STILL_TURN)
 }
 
 /// Takes what acts from outside on a strand that was still for so many `steps` as a mean over the last of them, about
-/// [`STILL_STEPS`]: the strand trembles, and so does its drag.
+/// [`RESTING_STEPS`]: the strand trembles, and so does its drag.
 pub fn remember(hair: &Strands, s: usize, m: &mut Moving, steps: u32) {
     for point in &mut m.points[hair.points(s)] {
-        point.outside -= (1.0 - 1.0 / f64::from(steps.min(STILL_STEPS))) * point.push;
+        point.external_dv -= (1.0 - 1.0 / f64::from(steps.min(RESTING_STEPS))) * point.impulse_change;
     }
 }

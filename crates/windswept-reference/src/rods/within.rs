@@ -21,14 +21,14 @@ pub enum State {
     /// The strand moved as a whole with its root.
     Teleported,
     /// The strand stays where it is.
-    Asleep,
+    Sleeping,
 }
 
 /// Way of a strand through a step, with its clamp's.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Drive {
     /// Move of the root \[m\].
-    pub root_travel: DVec3,
+    pub root_displacement: DVec3,
     /// Ghost frame at the step's end.
     pub root_frame: DQuat,
     /// Turn of the ghost frame since the step's start.
@@ -38,7 +38,7 @@ pub struct Drive {
     /// Force that holds a held tip \[N\].
     pub tip_force: DVec3,
     /// Move of a held tip \[m\].
-    pub tip_travel: DVec3,
+    pub tip_displacement: DVec3,
     /// Frame of a clamped tip at the step's end.
     pub tip_frame: DQuat,
     /// Step h of the strand, if it is integrated \[s\].
@@ -87,13 +87,13 @@ pub struct Point {
     /// Velocity v_{n−1} with what acts from outside in this step; from [`super::update_all`] on `velocity` \[m/s\].
     pub before: DVec3,
     /// Move of the step before \[m\].
-    pub carried: DVec3,
+    pub previous_move: DVec3,
     /// Load from outside the rod.
     pub load: Load,
     /// Change of velocity by all that acts from outside in this step \[m/s\].
-    pub outside: DVec3,
-    /// Part of `outside` that did not act while the strand came to rest \[m/s\].
-    pub push: DVec3,
+    pub external_dv: DVec3,
+    /// Part of `external_dv` that did not act while the strand came to rest \[m/s\].
+    pub impulse_change: DVec3,
     /// Inverse mass \[1/kg\].
     pub inverse_mass: f64,
     /// Weight over that of the mass that it moves with.
@@ -103,11 +103,11 @@ pub struct Point {
     /// Move without the rod's forces; of a held point, where it is held \[m\].
     pub free: DVec3,
     /// Move \[m\].
-    pub travel: DVec3,
+    pub displacement: DVec3,
     /// Whether the point is a tip that is held,
     pub held_tip: bool,
     /// and by how much that moves \[m\].
-    pub tip_travel: DVec3,
+    pub tip_displacement: DVec3,
     /// Shift of the point that makes its strand whole as the step begins \[m\].
     pub shift: DVec3,
     /// Way from where the point was when its strand became still \[m\].
@@ -117,14 +117,18 @@ pub struct Point {
 impl Point {
     /// Response W of the point: its move by a force of the rod \[m/N\].
     #[must_use]
-    pub fn reply(&self, p: &Parameters) -> f64 {
+    pub fn effective_inverse_mass(&self, p: &Parameters) -> f64 {
         response(damping(p, self), self.step) * self.inverse_mass
     }
 
     /// Velocity that the point's move leaves \[m/s\]; of a tip that is held, by its own.
     #[must_use]
     pub fn velocity_after(&self, p: &Parameters) -> DVec3 {
-        if self.held_tip { self.tip_travel / p.step } else { rate(p, self.travel, self.carried, self.step) }
+        if self.held_tip {
+            self.tip_displacement / p.step
+        } else {
+            rate(p, self.displacement, self.previous_move, self.step)
+        }
     }
 }
 
@@ -140,7 +144,7 @@ pub struct Segment {
     /// Spin of the step before \[rad/s\].
     pub before: DVec3,
     /// Turn of the step before \[rad\].
-    pub carried: DVec3,
+    pub previous_move: DVec3,
     /// Step h \[s\]; infinite for a segment that was put somewhere.
     pub step: f64,
     /// Rotation without the rod's forces.

@@ -13,7 +13,7 @@ use crate::{
     error::SceneError,
     groom::{COINCIDENT, Groom, PerStrand},
     keys::{Key, Kind},
-    limits::{MOST_CURVE_POINTS, MOST_HAIR_POINTS, MOST_POINTS_OF_A_STRAND},
+    limits::{MAX_CURVE_POINTS, MAX_HAIR_POINTS, MAX_POINTS_OF_A_STRAND},
     scene::{GroomFile, Up},
     units::with_scale,
 };
@@ -145,7 +145,7 @@ impl Curves {
     fn kept(self, anew: bool, dropped: &mut Dropped) -> Self {
         let mut kept = Vec::with_capacity(self.len());
         for s in 0..self.len() {
-            match misfit(self.strand(s), anew, dropped) {
+            match invalid_value(self.strand(s), anew, dropped) {
                 Some(count) => *count += 1,
                 None => kept.push(s),
             }
@@ -231,14 +231,14 @@ impl Curves {
 
 /// The count of `dropped` that a strand belongs to; `None` for one that can be simulated, or can be `anew`, once its points
 /// are placed evenly.
-fn misfit<'a>(strand: &[[f64; 3]], anew: bool, dropped: &'a mut Dropped) -> Option<&'a mut usize> {
+fn invalid_value<'a>(strand: &[[f64; 3]], anew: bool, dropped: &'a mut Dropped) -> Option<&'a mut usize> {
     if !strand.iter().all(is_finite) {
         return Some(&mut dropped.not_finite);
     }
     if strand.len() < 2 {
         return Some(&mut dropped.short);
     }
-    if !anew && strand.len() > MOST_POINTS_OF_A_STRAND as usize {
+    if !anew && strand.len() > MAX_POINTS_OF_A_STRAND as usize {
         return Some(&mut dropped.long);
     }
     let length: f64 = lengths(strand).sum();
@@ -359,8 +359,11 @@ impl GroomFile {
     /// Whether the numbers are such as their keys take, in a struct that was made in code.
     fn checked_in_code(&self) -> Result<(), SceneError> {
         let fault = |key, words| Err(SceneError::new(words).at(key, None));
-        if let Some(misfit) = Keys::misfit(self) {
-            return fault(misfit.key, format!("expected {}, found {}", misfit.expected, misfit.found));
+        if let Some(invalid_value) = Keys::invalid_value(self) {
+            return fault(
+                invalid_value.key,
+                format!("expected {}, found {}", invalid_value.expected, invalid_value.found),
+            );
         }
         let counts =
             [("points_per_strand", self.points_per_strand), ("strands", self.strands), ("points", self.points)];
@@ -403,8 +406,7 @@ impl GroomFile {
             curves = curves.guides(self.strands, seed);
         }
         if let Some(points) = self.points {
-            for (count, most) in [(curves.simulated(), u64::from(MOST_HAIR_POINTS)), (curves.len(), MOST_CURVE_POINTS)]
-            {
+            for (count, most) in [(curves.simulated(), u64::from(MAX_HAIR_POINTS)), (curves.len(), MAX_CURVE_POINTS)] {
                 if count as u64 * u64::from(points) > most {
                     let words = format!("{count} strands of {points} points each: expected at most {most} points");
                     return Err(SceneError::new(words));

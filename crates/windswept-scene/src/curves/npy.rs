@@ -22,7 +22,7 @@ use crate::error::SceneError;
 /// Start of every file.
 const MAGIC: &[u8; 6] = b"\x93NUMPY";
 /// Most sides of an array: none that is looked at has more.
-const MOST_SIDES: usize = 3;
+const MAX_SIDES: usize = 3;
 /// What the header's length is a multiple of.
 const ALIGNMENT: usize = 64;
 /// Numbers that are decoded at a time: whole rows of 1, 2 and 3.
@@ -94,10 +94,10 @@ impl Head {
         let fortran = field(header, "fortran_order", at)?.starts_with("True");
         let shape = shape(field(header, "shape", at)?)
             .ok_or_else(|| fault_at(at, "expected a shape of whole numbers, (100, 20, 3)"))?;
-        if shape.len() > MOST_SIDES {
+        if shape.len() > MAX_SIDES {
             return Err(fault_at(
                 at,
-                format!("expected at most {MOST_SIDES} sides of the shape, found {}", shape.len()),
+                format!("expected at most {MAX_SIDES} sides of the shape, found {}", shape.len()),
             ));
         }
         let count = shape.iter().try_fold(1u64, |count, &n| count.checked_mul(n as u64));
@@ -169,7 +169,7 @@ pub(super) fn curves(
     points_per_strand: Option<u32>,
 ) -> Result<Curves, SceneError> {
     match *shape {
-        [0, ..] if shape.len() == MOST_SIDES => Ok(Curves::of(Vec::new(), std::iter::empty())),
+        [0, ..] if shape.len() == MAX_SIDES => Ok(Curves::of(Vec::new(), std::iter::empty())),
         [_, n, _] => Curves::even(points, Some(count32(n)?)),
         _ => Curves::even(points, points_per_strand),
     }

@@ -22,7 +22,7 @@ use super::{
     bytes::fault_at,
     npy::{self, Head, of_floats, of_points, of_whole},
 };
-use crate::{error::SceneError, limits::MOST_PACKED_NUMBERS};
+use crate::{error::SceneError, limits::MAX_PACKED_NUMBERS};
 
 /// What the last record of a zip archive begins with, and its length without the archive's comment \[bytes\].
 const END_RECORD: (&[u8], usize) = (b"PK\x05\x06", 22);
@@ -46,7 +46,7 @@ impl Arrays<'_> {
         fits: impl Fn(&[usize]) -> Result<(), String>,
         of: impl FnMut([f64; N]) -> T,
     ) -> Result<Option<Shaped<T>>, SceneError> {
-        let most = MOST_PACKED_NUMBERS;
+        let most = MAX_PACKED_NUMBERS;
         let mut member = match self.archive.by_name(&format!("{name}.npy")) {
             Ok(member) => member,
             Err(ZipError::FileNotFound) => return Ok(None),
@@ -96,15 +96,15 @@ impl Arrays<'_> {
         name: &str,
         fits: impl Fn(&[usize]) -> Result<(), String>,
     ) -> Result<Option<Vec<u32>>, SceneError> {
-        let mut misfit = None;
+        let mut invalid_value = None;
         let number = |[x]: [f64; 1]| {
             if x.fract() != 0.0 || !(0.0..=f64::from(u32::MAX)).contains(&x) {
-                misfit.get_or_insert(x);
+                invalid_value.get_or_insert(x);
             }
             x as u32
         };
         let rows = self.rows(name, fits, number)?;
-        match misfit {
+        match invalid_value {
             Some(x) => Err(of_array(name, &format!("expected whole numbers from 0 to {}, found {x}", u32::MAX))),
             None => Ok(rows.map(|(_, rows)| rows)),
         }

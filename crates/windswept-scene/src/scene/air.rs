@@ -6,10 +6,10 @@ use crate::{
     declare::table,
     error::SceneError,
     keys::{
-        Fallback::{Absent, Needed, Value},
+        Fallback::{Derived, Required, Value},
         Kind::{Count, Fraction, Length, NonNegative, Positive, Table, Tables, Vector},
     },
-    limits::{LEAST_AIR_PARTICLES, LEAST_BOX_SIDE, LEAST_KERNEL_RADIUS, MOST_AIR_PARTICLES, MOST_BOX_CELLS},
+    limits::{MAX_AIR_PARTICLES, MAX_BOX_CELLS, MIN_AIR_PARTICLES, MIN_BOX_SIDE, MIN_KERNEL_RADIUS},
     reader::Reader,
     scene::{Band, Fluid, FluidSolver, Interaction, Model, SEED},
     wind::check_speed,
@@ -27,9 +27,9 @@ table! {
     #[derive(Debug, Clone, PartialEq)]
     pub struct Air, checked by Air::checked {
         /// Periodic box of the air particles; none with models drag and none.
-        bounds as "box": Option<Bounds> = Table, "", Absent("needed with models particles and two-way");
+        bounds as "box": Option<Bounds> = Table, "", Derived("needed with models particles and two-way");
         /// Distance about the hair's reach that the box is cut to at load, and the fringe's thickness more where wind enters.
-        margin: Option<f64> = NonNegative, "m", Absent("the whole box");
+        margin: Option<f64> = NonNegative, "m", Derived("the whole box");
         /// Rest density ρ0.
         rest_density: f64 = Positive, "kg/m³", Value(Air::REST_DENSITY);
         /// Mass of an air particle; the count is rounded, and the mass adjusted so that the mean density is exact.
@@ -37,9 +37,9 @@ table! {
         /// Kernel radius h.
         kernel_radius: f64 = Length, "m", Value(Air::KERNEL_RADIUS);
         /// Mean wind U.
-        wind: [f64; 3] = Vector, "m/s", Absent("needed with every model but none") => |air| without_wind(air)?;
+        wind: [f64; 3] = Vector, "m/s", Derived("needed with every model but none") => |air| without_wind(air)?;
         /// Thickness of the fringe, in which entering air is conditioned; 0: none.
-        fringe: f64 = NonNegative, "m", Absent("4 kernel radii") => |_air| 4.0 * kernel_radius;
+        fringe: f64 = NonNegative, "m", Derived("4 kernel radii") => |_air| 4.0 * kernel_radius;
         /// Time over which the wind rises; 0: at once.
         ramp: f64 = NonNegative, "s", Value(0.05);
         /// Kinematic viscosity ν of the drag on segments: that of real air.
@@ -47,11 +47,11 @@ table! {
         /// Skin friction coefficient C_f of air along bodies: a stress of ½ C_f ρ v² on the layer of one particle spacing.
         skin_friction: f64 = NonNegative, "", Value(0.1);
         /// Keyframes of what is added to the wind: linear between them, held before and after.
-        gust: Vec<Gust> = Tables, "", Absent("no gusts");
+        gust: Vec<Gust> = Tables, "", Derived("no gusts");
         /// Largest offset of a particle from its site of the lattice at the start, along each axis, in particle spacings.
-        jitter: f64 = Fraction, "", Absent("0.05 with fluid.solver divergence, 0 with pbf") => |air| jitter(air)?;
+        jitter: f64 = Fraction, "", Derived("0.05 with fluid.solver divergence, 0 with pbf") => |air| jitter(air)?;
         /// Turbulence that enters with the wind.
-        inflow: Option<Inflow> = Table, "", Absent("that of turbulence.scale and intensity, unless turbulence.inflow = false");
+        inflow: Option<Inflow> = Table, "", Derived("that of turbulence.scale and intensity, unless turbulence.inflow = false");
     }
 }
 
@@ -60,9 +60,9 @@ table! {
     #[derive(Debug, Clone, Copy, PartialEq)]
     pub struct Gust {
         /// Time of the keyframe; each is later than the one before.
-        time: f64 = NonNegative, "s", Needed;
+        time: f64 = NonNegative, "s", Required;
         /// Velocity that is added to air.wind.
-        velocity: [f64; 3] = Vector, "m/s", Needed;
+        velocity: [f64; 3] = Vector, "m/s", Required;
     }
 }
 
@@ -71,11 +71,11 @@ table! {
     #[derive(Debug, Clone, Copy, PartialEq)]
     pub struct Inflow {
         /// How wild eddies are: the rms speed of their band over the wind's.
-        intensity: f64 = NonNegative, "", Needed;
+        intensity: f64 = NonNegative, "", Required;
         /// How large eddies are: s of their band (eq. 6).
-        scale: f64 = Length, "m", Needed;
+        scale: f64 = Length, "m", Required;
         /// Seed that draws the waves.
-        seed: u64 = Count(0, u32::MAX), "", Absent("seed") => |inflow| seed(inflow);
+        seed: u64 = Count(0, u32::MAX), "", Derived("seed") => |inflow| seed(inflow);
     }
 }
 
@@ -84,9 +84,9 @@ table! {
     #[derive(Debug, Clone, Copy, PartialEq)]
     pub struct Bounds {
         /// Lower corner.
-        min: [f64; 3] = Vector, "m", Needed;
+        min: [f64; 3] = Vector, "m", Required;
         /// Upper corner.
-        max: [f64; 3] = Vector, "m", Needed;
+        max: [f64; 3] = Vector, "m", Required;
     }
 }
 
@@ -133,7 +133,7 @@ impl Air {
     /// Kinematic viscosity ν of air, where a scene does not say it \[m²/s\].
     pub const KINEMATIC_VISCOSITY: f64 = 1.5e-5;
     /// Volume of a parcel without `[air]`: the paper's \[m³\].
-    pub(crate) const PARCEL: f64 = Self::PARTICLE_MASS / Self::REST_DENSITY;
+    pub(crate) const PARTICLE_VOLUME: f64 = Self::PARTICLE_MASS / Self::REST_DENSITY;
 
     fn checked(mut self, reader: &Reader<'_>) -> Result<Self, SceneError> {
         let times = self.gust.windows(2).position(|pair| pair[1].time <= pair[0].time);
@@ -179,10 +179,10 @@ impl Air {
             if side <= 0.0 {
                 return fault(format!("expected max above min, found {} and {} in {name}", max[axis], min[axis]));
             }
-            if side < LEAST_BOX_SIDE * radius * (1.0 - ROUNDING) {
+            if side < MIN_BOX_SIDE * radius * (1.0 - ROUNDING) {
                 return fault(format!(
                     "expected sides of at least 3 kernel radii, {} m; found {} m in {name}",
-                    rounded(LEAST_BOX_SIDE * radius),
+                    rounded(MIN_BOX_SIDE * radius),
                     rounded(side)
                 ));
             }
@@ -196,9 +196,9 @@ impl Air {
 
     /// The box must hold some particles, and no more of them and of cells than fit; else the key and what is wrong with it.
     pub(crate) fn check_size(&self, bounds: &Bounds) -> Result<(), (&'static str, String)> {
-        let (least, most, radius) = (LEAST_AIR_PARTICLES, MOST_AIR_PARTICLES, self.kernel_radius);
+        let (least, most, radius) = (MIN_AIR_PARTICLES, MAX_AIR_PARTICLES, self.kernel_radius);
         let side = |axis: usize| bounds.max[axis] - bounds.min[axis];
-        let count = (0..3).map(side).product::<f64>() / self.parcel();
+        let count = (0..3).map(side).product::<f64>() / self.particle_volume();
         if count < least {
             return Err((
                 "box",
@@ -212,10 +212,10 @@ impl Air {
             ));
         }
         let cells: f64 = (0..3).map(|axis| (side(axis) / radius).floor()).product();
-        if cells > MOST_BOX_CELLS {
-            let fits = rounded(radius * (cells / MOST_BOX_CELLS).cbrt());
+        if cells > MAX_BOX_CELLS {
+            let fits = rounded(radius * (cells / MAX_BOX_CELLS).cbrt());
             let words =
-                format!("makes {cells:.3e} cells of the box; expected at most {MOST_BOX_CELLS:e}, about {fits} m");
+                format!("makes {cells:.3e} cells of the box; expected at most {MAX_BOX_CELLS:e}, about {fits} m");
             return Err(("kernel_radius", words));
         }
         Ok(())
@@ -225,11 +225,11 @@ impl Air {
     fn check_kernel(&self, reader: &Reader<'_>) -> Result<(), SceneError> {
         let radius = self.kernel_radius;
         let spacing = (self.particle_mass / self.rest_density).cbrt();
-        let least = rounded(LEAST_KERNEL_RADIUS * spacing);
+        let least = rounded(MIN_KERNEL_RADIUS * spacing);
         // As the error rounds it: who follows its advice is right.
         if rounded(radius) < least {
             let words = format!(
-                "is {:.3} of the particle spacing, {} m (air.particle_mass); expected at least {LEAST_KERNEL_RADIUS} of it, {least} m",
+                "is {:.3} of the particle spacing, {} m (air.particle_mass); expected at least {MIN_KERNEL_RADIUS} of it, {least} m",
                 radius / spacing,
                 rounded(spacing),
             );

@@ -5,16 +5,16 @@ use serde::{Deserialize, Serialize};
 
 use super::roots::Roots;
 use crate::{
-    declare::{Keys, Misfit, table, words},
+    declare::{InvalidValue, Keys, table, words},
     document::Document,
     error::SceneError,
     groom::RestShape,
     keys::{
-        Fallback::{self, Absent, Needed, Value},
+        Fallback::{self, Derived, Required, Value},
         Key,
         Kind::{Bool, Choice, Count, Fraction, Length, NonNegative, Path, Positive, Share, Table, Tables, Text},
     },
-    limits::{MOST_HAIR_POINTS, MOST_POINTS_OF_A_STRAND},
+    limits::{MAX_HAIR_POINTS, MAX_POINTS_OF_A_STRAND},
     motion::Motion,
     reader::Reader,
     strands::End,
@@ -31,9 +31,9 @@ table! {
         /// Name of the group, for dotted keys and reports.
         name: String = Text, "", Value(Hair::NAME.to_owned());
         /// Shapes of the strands: drawn, or from a file.
-        source as "": HairSource = Table, "", Absent("");
+        source as "": HairSource = Table, "", Derived("");
         /// Fibres of the strands.
-        fibre as "": Fibre = Table, "", Absent("");
+        fibre as "": Fibre = Table, "", Derived("");
         /// Coulomb's coefficient of friction of the strands on other strands, of a pair the smaller one; two-way only.
         friction: f64 = NonNegative, "", Value(FRICTION);
         /// Hold of the roots: in place and direction, in place, not at all.
@@ -41,7 +41,7 @@ table! {
         /// Hold of the tips, as of the roots; clamped with rods.solver = "direct" only.
         tip: End = Choice(End::WORDS), "", Value(End::Free);
         /// Keyframes of the roots, about the centre of their shape, or about the origin of a groom or mesh file.
-        motion: Motion = Tables, "", Absent("roots rest, or move as the body that they are on");
+        motion: Motion = Tables, "", Derived("roots rest, or move as the body that they are on");
     }
 }
 
@@ -59,19 +59,19 @@ table! {
     #[derive(Debug, Clone, PartialEq)]
     pub struct Drawn {
         /// Number of strands.
-        strands: u32 = Count(1, MOST_HAIR_POINTS), "", Needed;
+        strands: u32 = Count(1, MAX_HAIR_POINTS), "", Required;
         /// Points per strand, root included.
-        points: u32 = Count(2, MOST_POINTS_OF_A_STRAND), "", Needed;
+        points: u32 = Count(2, MAX_POINTS_OF_A_STRAND), "", Required;
         /// Length of a strand along its curl.
-        length: f64 = Length, "m", Needed;
+        length: f64 = Length, "m", Required;
         /// Fraction by which strands are shorter at most, drawn at random.
         length_variation: f64 = Fraction, "", Value(0.0);
         /// Helical rest shape, right-handed about the strand's axis.
-        curl: Option<Curl> = Table, "", Absent("straight");
+        curl: Option<Curl> = Table, "", Derived("straight");
         /// Spread of the helices' phases over the strands, 0 to 1.
         curl_phase: f64 = NonNegative, "turns", Value(1.0);
         /// Shape that the strands are rooted on.
-        roots: Roots = Table, "", Needed;
+        roots: Roots = Table, "", Required;
     }
 }
 
@@ -80,9 +80,9 @@ table! {
     #[derive(Debug, Clone, PartialEq)]
     pub struct GroomFile {
         /// Groom file that the strands come from (.hair, .data, .bin, .npz, .npy, .ply).
-        file: String = Path, "", Needed;
+        file: String = Path, "", Required;
         /// Metres per unit of the file: 0.01 for centimetres.
-        scale: Option<f64> = Positive, "m", Absent("needed, unless the file says its unit");
+        scale: Option<f64> = Positive, "m", Derived("needed, unless the file says its unit");
         /// Axis of the file that points up, or the axes of the file that become x, y and z; xzy, yxz and zyx mirror.
         up: Up = Choice(Up::WORDS), "", Value(Up::Y);
         /// Whether the shape in the file is the one at rest, from which weight bends the strands, or the one that they hang in, with
@@ -93,11 +93,11 @@ table! {
         /// Whether the strands that the file marks as guides are those that are simulated; false: as if it marked none.
         file_guides: bool = Bool, "", Value(true);
         /// Points of each strand of a file that does not say where one ends: a .ply without strands, an array (points, 3).
-        points_per_strand: Option<u32> = Count(1, MOST_POINTS_OF_A_STRAND), "", Absent("the file must say");
+        points_per_strand: Option<u32> = Count(1, MAX_POINTS_OF_A_STRAND), "", Derived("the file must say");
         /// Number of strands; of a file's guides, or of all its strands, those whose roots are far from one another. The others follow.
-        strands: Option<u32> = Count(1, MOST_HAIR_POINTS), "", Absent("all of the file's guides, or of its strands");
+        strands: Option<u32> = Count(1, MAX_HAIR_POINTS), "", Derived("all of the file's guides, or of its strands");
         /// Points per strand, root included; strands of a file are divided anew, evenly along their length.
-        points: Option<u32> = Count(2, MOST_POINTS_OF_A_STRAND), "", Absent("the file's");
+        points: Option<u32> = Count(2, MAX_POINTS_OF_A_STRAND), "", Derived("the file's");
     }
 }
 
@@ -141,9 +141,9 @@ table! {
         /// Fibres that a strand stands for; they scale its mass, stiffness and drag area.
         fibres_per_strand: f64 = Positive, "", Value(1.0);
         /// Elastic moduli of a fibre, or stiffnesses of the strand.
-        stiffness as "": Stiffness = Table, "", Absent("");
+        stiffness as "": Stiffness = Table, "", Derived("");
         /// Mass of every point; the paper's is 1.46e-7.
-        point_mass: Option<f64> = Positive, "kg", Absent("half of each adjoining segment's mass");
+        point_mass: Option<f64> = Positive, "kg", Derived("half of each adjoining segment's mass");
     }
 }
 
@@ -178,11 +178,11 @@ table! {
         /// Poisson's ratio ν: G = E/(2 (1 + ν)), GA = EA/(2 (1 + ν)).
         poissons_ratio: f64 = Fraction, "", Value(0.38);
         /// Stretch stiffness EA of the strand; the three stiffnesses go together.
-        stretch_stiffness: Option<f64> = Positive, "N", Absent("from youngs_modulus");
+        stretch_stiffness: Option<f64> = Positive, "N", Derived("from youngs_modulus");
         /// Bend stiffness EI of the strand.
-        bend_stiffness: Option<f64> = Positive, "N m²", Absent("from youngs_modulus");
+        bend_stiffness: Option<f64> = Positive, "N m²", Derived("from youngs_modulus");
         /// Twist stiffness GJ of the strand.
-        twist_stiffness: Option<f64> = Positive, "N m²", Absent("from youngs_modulus");
+        twist_stiffness: Option<f64> = Positive, "N m²", Derived("from youngs_modulus");
     }
 }
 
@@ -191,9 +191,9 @@ table! {
     #[derive(Debug, Clone, Copy, PartialEq)]
     pub struct Curl {
         /// Radius of the helix.
-        radius: f64 = Length, "m", Needed;
+        radius: f64 = Length, "m", Required;
         /// Advance along the axis per turn.
-        pitch: f64 = Length, "m", Needed;
+        pitch: f64 = Length, "m", Required;
     }
 }
 
@@ -263,8 +263,8 @@ impl Keys for HairSource {
         for mut key in of_file {
             let shared = of_drawn.iter().any(|other| other.path == key.path);
             key.default = match key.default {
-                Needed => Absent("strands are drawn"),
-                Absent(_) if shared => Absent("needed, or with a file what the file has"),
+                Required => Derived("strands are drawn"),
+                Derived(_) if shared => Derived("needed, or with a file what the file has"),
                 default => default,
             };
             all.push(key);
@@ -274,8 +274,8 @@ impl Keys for HairSource {
                 continue;
             }
             let own = key.path.rsplit_once('.').is_some_and(|(table, _)| table == path);
-            if own && key.default == Fallback::Needed {
-                key.default = Absent("needed, unless strands come from a file");
+            if own && key.default == Fallback::Required {
+                key.default = Derived("needed, unless strands come from a file");
             }
             all.push(key);
         }
@@ -302,10 +302,10 @@ impl Keys for HairSource {
         }
     }
 
-    fn misfit(&self) -> Option<Misfit> {
+    fn invalid_value(&self) -> Option<InvalidValue> {
         match self {
-            Self::Drawn(drawn) => drawn.misfit(),
-            Self::File(file) => file.misfit(),
+            Self::Drawn(drawn) => drawn.invalid_value(),
+            Self::File(file) => file.invalid_value(),
         }
     }
 }
@@ -386,7 +386,7 @@ impl Keys for Stiffness {
         self.spelled().write(writer);
     }
 
-    fn misfit(&self) -> Option<Misfit> {
-        self.spelled().misfit()
+    fn invalid_value(&self) -> Option<InvalidValue> {
+        self.spelled().invalid_value()
     }
 }

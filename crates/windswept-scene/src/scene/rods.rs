@@ -6,7 +6,7 @@ use crate::{
         Fallback::{Method, Value},
         Kind::{Bool, Choice, Count, NonNegative},
     },
-    limits::{MOST_NEWTON_STEPS, MOST_REPEATS},
+    limits::{MAX_NEWTON_STEPS, MAX_REPEATS},
 };
 
 table! {
@@ -18,9 +18,9 @@ table! {
         /// Time integration of hair.
         integrator: Integrator = Choice(Integrator::WORDS), "", Method(Integrator::Bdf2, Integrator::Euler);
         /// Sweeps of Gauss-Seidel in a step; gauss-seidel only.
-        iterations: u32 = Count(1, MOST_REPEATS), "", Value(10);
+        iterations: u32 = Count(1, MAX_REPEATS), "", Value(10);
         /// Newton steps at most; direct only: a strand stops when frames turn by less than 1e-3 rad, or a hundredth of the first turn.
-        newton: u32 = Count(1, MOST_NEWTON_STEPS), "", Value(8);
+        newton: u32 = Count(1, MAX_NEWTON_STEPS), "", Value(8);
         /// Damping of absolute linear and angular velocity.
         damping: f64 = NonNegative, "1/s", Value(0.0);
         /// Whether strands at rest that nothing pushes are left alone (error below 1e-4 of their length).

@@ -1,10 +1,10 @@
 //! `hair.roots`: what the strands of a group are rooted on.
 
 use crate::{
-    declare::{Keys, Misfit, table, words},
+    declare::{InvalidValue, Keys, table, words},
     error::SceneError,
     keys::{
-        Fallback::{Absent, Value},
+        Fallback::{Derived, Value},
         Key,
         Kind::{Choice, Direction, Length, Text, Vector},
     },
@@ -79,17 +79,17 @@ table! {
         /// Shape that roots are drawn on; mesh is the surface of a body, where strands start along its normals.
         shape: RootsName = Choice(RootsName::WORDS), "", Value(RootsName::Disc);
         /// Centre of the shape.
-        center: Option<[f64; 3]> = Vector, "m", Absent("needed, but for shape mesh");
+        center: Option<[f64; 3]> = Vector, "m", Derived("needed, but for shape mesh");
         /// Radius of the disc or cap; half length of the line.
-        radius: Option<f64> = Length, "m", Absent("needed, but for shape mesh");
+        radius: Option<f64> = Length, "m", Derived("needed, but for shape mesh");
         /// Direction in which strands start, a unit vector; a cap faces it.
         direction: Option<[f64; 3]> = Direction, "", Value(Some(DOWN));
         /// Normal of the disc or of the line, a unit vector: strands lean where it is not the direction.
-        normal: Option<[f64; 3]> = Direction, "", Absent("direction");
+        normal: Option<[f64; 3]> = Direction, "", Derived("direction");
         /// Name of the body with shape mesh that roots are on.
-        body: Option<String> = Text, "", Absent("needed with shape mesh");
+        body: Option<String> = Text, "", Derived("needed with shape mesh");
         /// Name of the group, object or material of the body's file that roots are on.
-        group: Option<String> = Text, "", Absent("all triangles of the body");
+        group: Option<String> = Text, "", Derived("all triangles of the body");
     }
 }
 
@@ -161,7 +161,7 @@ impl Keys for Roots {
         self.spelled().write(writer);
     }
 
-    fn misfit(&self) -> Option<Misfit> {
-        self.spelled().misfit()
+    fn invalid_value(&self) -> Option<InvalidValue> {
+        self.spelled().invalid_value()
     }
 }

@@ -7,7 +7,7 @@ use crate::{
     error::SceneError,
     force::{Force, ForceField},
     keys::{
-        Fallback::{Absent, Method, Needed, Value},
+        Fallback::{Derived, Method, Required, Value},
         Kind::{Bool, Choice, Length, NonNegative, Positive, Tables},
     },
     limits::COARSEST_SPACING,
@@ -20,9 +20,9 @@ table! {
     #[derive(Debug, Clone, PartialEq)]
     pub struct Turbulence, checked by Turbulence::checked {
         /// Bands of eddies to strengthen, instead of `scale`; each has a scale and an intensity of its own, and none enters with the wind.
-        bands: Vec<Band> = Tables, "", Absent("the band of scale and intensity");
+        bands: Vec<Band> = Tables, "", Derived("the band of scale and intensity");
         /// Speed U of the law.
-        speed: f64 = NonNegative, "m/s", Absent("the largest wind, those of jets and vortices included") => |turbulence| largest_wind(turbulence)?;
+        speed: f64 = NonNegative, "m/s", Derived("the largest wind, those of jets and vortices included") => |turbulence| largest_wind(turbulence)?;
         /// Confinement law.
         law: Law = Choice(Law::WORDS), "", Method(Law::Band, Law::Published);
         /// Filter that finds the band velocity; law published takes direct only.
@@ -32,15 +32,15 @@ table! {
         /// Cutoff of the direct filter in units of the scale.
         cutoff: f64 = Positive, "", Method(Turbulence::CUTOFF, 3.0);
         /// Whether the mean change of the air is taken out, so that confinement drives no wind.
-        conserve_momentum: bool = Bool, "", Absent("true with law band, false with published") => |_turbulence| law == Law::Band;
+        conserve_momentum: bool = Bool, "", Derived("true with law band, false with published") => |_turbulence| law == Law::Band;
     }
     without a field {
         /// How large eddies are: s of eq. 6. A whirl of the band measures about 2 s across.
-        scale: f64 = Length, "m", Absent("no turbulence, unless there are bands");
+        scale: f64 = Length, "m", Derived("no turbulence, unless there are bands");
         /// How wild eddies are: the rms speed of their band over the wind's (turbulence.speed).
-        intensity: f64 = Positive, "", Absent("0.6 with scale");
+        intensity: f64 = Positive, "", Derived("0.6 with scale");
         /// Whether eddies of scale and intensity also enter with the wind; otherwise hair and bodies alone make them.
-        inflow: bool = Bool, "", Absent("true with scale, but false with method published");
+        inflow: bool = Bool, "", Derived("true with scale, but false with method published");
     }
 }
 
@@ -49,7 +49,7 @@ table! {
     #[derive(Debug, Clone, Copy, PartialEq)]
     pub struct Band {
         /// Scale of the eddies to strengthen: s of the Mexican hat.
-        scale: f64 = Length, "m", Needed;
+        scale: f64 = Length, "m", Required;
         /// Strength S of the band law, by which eddies come to their intensity sooner; the published law has a strength of its own. 0
         /// leaves the band out.
         strength: f64 = NonNegative, "", Value(Band::STRENGTH);
@@ -162,7 +162,7 @@ impl Scene {
     pub(super) fn check_bands(&self, reader: &Reader<'_>) -> Result<(), SceneError> {
         let Some((air, bounds)) = self.filled() else { return Ok(()) };
         let size = DVec3::from_array(bounds.max) - DVec3::from_array(bounds.min);
-        let particles = size.element_product() / air.parcel();
+        let particles = size.element_product() / air.particle_volume();
         for (i, band) in self.turbulence.bands.iter().enumerate() {
             if let Some(excess) = self.turbulence.excess(band.scale, air.kernel_radius, particles, size) {
                 let words = format!("{}; {}", excess.what, excess.expected);

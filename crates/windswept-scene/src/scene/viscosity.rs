@@ -4,7 +4,7 @@ use crate::{
     declare::{table, words},
     error::SceneError,
     keys::{
-        Fallback::{Absent, Method, Value},
+        Fallback::{Derived, Method, Value},
         Kind::{Choice, NonNegative},
     },
     reader::Reader,
@@ -25,7 +25,7 @@ table! {
         air: f64 = NonNegative, "", Value(0.014);
         /// Constant C of the viscosity of eddies smaller than the spacing d of air, ν = (C d)² |∇v| (Smagorinsky 1963), on top of
         /// air's; 0 leaves it out. 0.34 is the usual 0.17 of a filter of two spacings. For fluid.solver divergence; at most 1.
-        smagorinsky: f64 = NonNegative, "", Absent("0, or 0.34 with model particles and solver divergence") => |viscosity| {
+        smagorinsky: f64 = NonNegative, "", Derived("0, or 0.34 with model particles and solver divergence") => |viscosity| {
             usual_constant(viscosity)?
         };
         /// Form of the exchange: with or without the symmetric limiter.
@@ -33,9 +33,9 @@ table! {
     }
     without a field {
         /// Kinematic viscosity ν of hair instead of hair: c = 22 ν Δt/h².
-        kinematic_hair: f64 = NonNegative, "m²/s", Absent("from viscosity.hair");
+        kinematic_hair: f64 = NonNegative, "m²/s", Derived("from viscosity.hair");
         /// Kinematic viscosity ν of air instead of air: c = 22 ν Δt/h².
-        kinematic_air: f64 = NonNegative, "m²/s", Absent("from viscosity.air");
+        kinematic_air: f64 = NonNegative, "m²/s", Derived("from viscosity.air");
     }
 }
 

@@ -23,7 +23,7 @@ use glam::DVec3;
 use sha2::{Digest, Sha256};
 
 use super::{DistanceGrid, Triangles};
-use crate::{error::SceneError, limits::MOST_GRID_VALUES};
+use crate::{error::SceneError, limits::MAX_GRID_VALUES};
 
 /// Version of what [`DistanceGrid::bake`] makes, and of the files: another number for any change of either.
 const VERSION: u16 = 2;
@@ -111,7 +111,7 @@ fn bytes(grid: &DistanceGrid, key: &[u8]) -> Vec<u8> {
 /// The grid in a file; none where there is no file, or one that is broken.
 fn read(path: &Path, key: &[u8]) -> Option<DistanceGrid> {
     let length = usize::try_from(fs::metadata(path).ok().filter(fs::Metadata::is_file)?.len()).ok()?;
-    if length > HEAD + 4 * MOST_GRID_VALUES + SUM {
+    if length > HEAD + 4 * MAX_GRID_VALUES + SUM {
         return None;
     }
     let bytes = fs::read(path).ok()?;

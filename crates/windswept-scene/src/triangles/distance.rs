@@ -15,14 +15,14 @@ use super::{
     Triangles,
     tree::{Looks, Tree},
 };
-use crate::{error::SceneError, limits::MOST_GRID_VALUES};
+use crate::{error::SceneError, limits::MAX_GRID_VALUES};
 
 /// Reach of distances that are measured from triangles \[spacings\]. Beyond it a node takes the point of the surface that is nearest to
 /// a node beside it: that is quicker, and the farther away the surface is, the less it matters which of its points is taken.
 const BAND: f64 = 8.0;
 /// Most that is looked at for a node, on average \[nodes of the tree\]: eight times as much as for a ball of 260 000 triangles, which takes
-/// the most, 146, of all meshes that tests have; a ball of [`crate::limits::MOST_TRIANGLES`] would take four times as much as that.
-const MOST_LOOKS: u64 = 1200;
+/// the most, 146, of all meshes that tests have; a ball of [`crate::limits::MAX_TRIANGLES`] would take four times as much as that.
+const MAX_LOOKS: u64 = 1200;
 /// Nodes along an axis, of which one is tried before all are filled.
 const TRIED: usize = 8;
 /// Fewest cells between the surface and the sides of the grid.
@@ -45,7 +45,7 @@ impl Patience {
     const SHARE: u64 = 1 << 12;
 
     fn new(nodes: usize) -> Self {
-        Self { spent: AtomicU64::new(0), most: MOST_LOOKS * nodes as u64 }
+        Self { spent: AtomicU64::new(0), most: MAX_LOOKS * nodes as u64 }
     }
 
     /// Whether it is too much, once what a row has looked at is worth adding.
@@ -112,11 +112,11 @@ impl DistanceGrid {
         let margin = margin.max(MARGIN * spacing);
         let cells = ((high - low + 2.0 * margin) / spacing).ceil();
         let nodes = (cells + 1.0).element_product();
-        if nodes.is_nan() || nodes > MOST_GRID_VALUES as f64 {
+        if nodes.is_nan() || nodes > MAX_GRID_VALUES as f64 {
             let size = high - low;
             let words = format!(
                 "a grid of {} m about {:.3} x {:.3} x {:.3} m has {nodes:.2e} nodes and takes {:.2e} bytes; expected at most \
-                 {MOST_GRID_VALUES} nodes",
+                 {MAX_GRID_VALUES} nodes",
                 spacing as f32,
                 size.x,
                 size.y,

@@ -13,7 +13,7 @@ use super::{Triangles, of_corners};
 use crate::{
     curves::{Bytes, fault_at},
     error::SceneError,
-    limits::{MOST_PRIMITIVES, MOST_TRIANGLES},
+    limits::{MAX_PRIMITIVES, MAX_TRIANGLES},
 };
 
 /// A primitive's mode, or kind of numbers, as the format numbers them.
@@ -131,8 +131,8 @@ pub(super) fn read(bytes: &[u8]) -> Result<Triangles, SceneError> {
             let mesh = item(&document.meshes, m, "mesh")?;
             // Many nodes may have one mesh.
             primitives += mesh.primitives.len();
-            if primitives > MOST_PRIMITIVES {
-                return Err(SceneError::new(format!("expected at most {MOST_PRIMITIVES} primitives in all nodes")));
+            if primitives > MAX_PRIMITIVES {
+                return Err(SceneError::new(format!("expected at most {MAX_PRIMITIVES} primitives in all nodes")));
             }
             for (k, primitive) in mesh.primitives.iter().enumerate() {
                 let material = primitive.material.and_then(|i| document.materials.get(i)?.name.as_ref());
@@ -232,8 +232,8 @@ impl Document {
         let triangles: Vec<_> = triangles.collect();
         let (normals, uvs) = (of_corners(&triangles, &normals), of_corners(&triangles, &uvs));
         all.append(names, triangles.iter().map(|corners| corners.map(|index| first + index)), normals, uvs);
-        if all.corners.len().max(all.points.len() / 3) > MOST_TRIANGLES {
-            return Err(SceneError::new(format!("expected at most {MOST_TRIANGLES} triangles in all nodes")));
+        if all.corners.len().max(all.points.len() / 3) > MAX_TRIANGLES {
+            return Err(SceneError::new(format!("expected at most {MAX_TRIANGLES} triangles in all nodes")));
         }
         Ok(())
     }

@@ -5,10 +5,10 @@ use std::{collections::HashSet, sync::Arc};
 use glam::DVec3;
 
 use super::Triangles;
-use crate::{error::SceneError, limits::MOST_TRIANGLES};
+use crate::{error::SceneError, limits::MAX_TRIANGLES};
 
 /// Most groups that a face is in: names of each part are kept, so that more would take memory without end.
-const MOST_GROUPS: usize = 64;
+const MAX_GROUPS: usize = 64;
 
 /// The line, from 1, with which the lines up to it begin to be faulty, of those that were read until the fault was seen.
 fn line_of(read: &[u8], is_faulty: impl Fn(&[u8]) -> bool) -> usize {
@@ -49,9 +49,9 @@ fn check_faces(text: &str) -> Result<(), SceneError> {
         }
         if word == "f" {
             triangles += corners.clone().count().saturating_sub(2);
-            if triangles > MOST_TRIANGLES {
+            if triangles > MAX_TRIANGLES {
                 return Err(SceneError::new(format!(
-                    "line {number}: expected at most {MOST_TRIANGLES} triangles in the file"
+                    "line {number}: expected at most {MAX_TRIANGLES} triangles in the file"
                 )));
             }
         }
@@ -143,9 +143,9 @@ fn numbered(given: &str) -> Result<(String, Vec<Names<'_>>), SceneError> {
             }
         };
         let groups = now.groups.split_whitespace().count();
-        if groups > MOST_GROUPS {
+        if groups > MAX_GROUPS {
             return Err(SceneError::new(format!(
-                "line {number}: names {groups} groups; expected at most {MOST_GROUPS}"
+                "line {number}: names {groups} groups; expected at most {MAX_GROUPS}"
             )));
         }
         if now != last {

@@ -137,7 +137,7 @@ fn through(simulation: &mut Simulation, steps: u64) -> Result<Hit, Error> {
         simulation.step(1)?;
         let x = points(simulation)?;
         let now = stretch(&hair, &x);
-        let travel = body(simulation).center() - ball.center();
+        let displacement = body(simulation).center() - ball.center();
         ball = body(simulation);
         let depth_of = |x: DVec3| -ball.signed_distance(x + origin).0;
         let deepest = |from: DVec3, to: DVec3| {
@@ -147,7 +147,7 @@ fn through(simulation: &mut Simulation, steps: u64) -> Result<Hit, Error> {
         let segments = (0..hair.len()).flat_map(|s| x[hair.points(s)].windows(2));
         let depth = segments.map(|ends| deepest(ends[0], ends[1])).fold(f64::NEG_INFINITY, f64::max);
         hit.depth = hit.depth.max(depth);
-        hit.slips += before.iter().zip(&x).filter(|(a, b)| deepest(**a + travel, **b) > SLIPS).count() as f64;
+        hit.slips += before.iter().zip(&x).filter(|(a, b)| deepest(**a + displacement, **b) > SLIPS).count() as f64;
         before = x;
         if depth > -1e-7 && touched.is_none() {
             touched = Some(step);

@@ -33,11 +33,11 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
         }
         let shortest = two(&[[0.021, 0.055, 0.014], [0.021, 0.005, 0.014]]);
         let mut simulation = Simulation::with_groom(gpu, &scene, &shortest)?;
-        let after = torn(&mut simulation, None);
+        let after = largest_stretch(&mut simulation, None);
         whole.add(*coupling, "a strand of 2 points", f64::NAN, after.unwrap_or(f64::NAN));
         for (start, place) in STARTS {
             let mut simulation = Simulation::new(gpu, &scene)?;
-            let after = torn(&mut simulation, Some(place));
+            let after = largest_stretch(&mut simulation, Some(place));
             whole.add(*coupling, *start, f64::NAN, after.unwrap_or(f64::NAN));
         }
     }
@@ -91,7 +91,7 @@ fn away(root: DVec3, k: usize, lengths: f64) -> DVec3 {
 }
 
 /// Stretch of the strands 20 steps after their points were put somewhere.
-fn torn(simulation: &mut Simulation, place: Option<&Place>) -> Result<f64, Error> {
+fn largest_stretch(simulation: &mut Simulation, place: Option<&Place>) -> Result<f64, Error> {
     let mut rng = Pcg64::seed_from_u64(5);
     let hair = simulation.initial().hair.clone();
     if let Some(place) = place {

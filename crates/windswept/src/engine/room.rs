@@ -1,6 +1,6 @@
 //! Whether a scene fits an adapter, and the limits that a device must have for it.
 
-use windswept_scene::{Groom, InitialState, Scene, SceneError, limits::MOST_NODES};
+use windswept_scene::{Groom, InitialState, Scene, SceneError, limits::MAX_NODES};
 use windswept_shaders::common::{dispatch::WORKGROUP, lanes::LANES, list::PAGES};
 
 use crate::{
@@ -45,7 +45,7 @@ pub(crate) fn check_room(gpu: &Gpu, scene: &Scene, groom: Option<&Groom>) -> Res
 
 /// Whether the adapter binds the finest grid of the band filter.
 pub(super) fn check_nodes(gpu: &Gpu, meshes: &Meshes) -> Result<(), GpuError> {
-    let most = (gpu.largest_binding() / NODE_BYTES).min(MOST_NODES);
+    let most = (gpu.largest_binding() / NODE_BYTES).min(MAX_NODES);
     if meshes.nodes <= most {
         return Ok(());
     }

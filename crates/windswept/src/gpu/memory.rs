@@ -11,10 +11,10 @@ use bytemuck::Pod;
 use windswept_shaders::{BufferKind, TEXTURE_ROW};
 
 use crate::{
-    array::{AnyArray, Array, Life, is_uniform},
+    aliasing::Aliasing,
+    array::{AnyArray, Array, Lifetime, is_uniform},
     error::GpuError,
     gpu::Gpu,
-    sharing::Sharing,
     state::State,
     textures,
 };
@@ -26,8 +26,8 @@ const UNIFORM_ROW: u64 = 16;
 #[derive(Debug)]
 pub(crate) struct Memory {
     buffers: Vec<wgpu::Buffer>,
-    sharing: Sharing,
-    /// Textures by their numbers in `sharing`, each made when a program first reads it.
+    aliasing: Aliasing,
+    /// Textures by their numbers in `aliasing`, each made when a program first reads it.
     textures: Mutex<HashMap<usize, wgpu::Texture>>,
     /// Rows of each of those, made or not.
     rows: Vec<u64>,
@@ -35,27 +35,27 @@ pub(crate) struct Memory {
 
 impl Memory {
     /// Allocates everything, zeroed, after checking each size.
-    pub(crate) fn new(gpu: &Gpu, state: &State, sharing: Sharing) -> Result<Self, GpuError> {
+    pub(crate) fn new(gpu: &Gpu, state: &State, aliasing: Aliasing) -> Result<Self, GpuError> {
         let arrays = state.arrays();
         check_sizes(gpu, &arrays)?;
-        let buffers = sharing.largest(&arrays).iter().map(|array| allocate(gpu, array)).collect::<Result<_, _>>()?;
+        let buffers = aliasing.largest(&arrays).iter().map(|array| allocate(gpu, array)).collect::<Result<_, _>>()?;
         let mut rows = vec![0; arrays.len()];
         for array in &arrays {
-            let rows = &mut rows[sharing.texture(array)];
+            let rows = &mut rows[aliasing.texture(array)];
             *rows = textures::rows(array).max(*rows);
         }
-        Ok(Self { buffers, sharing, textures: Mutex::default(), rows })
+        Ok(Self { buffers, aliasing, textures: Mutex::default(), rows })
     }
 
     /// Which array lies in which block.
-    pub(crate) fn sharing(&self) -> &Sharing {
-        &self.sharing
+    pub(crate) fn aliasing(&self) -> &Aliasing {
+        &self.aliasing
     }
 
     /// Gives an array that has grown, and lies alone, a new, zeroed buffer.
     pub(crate) fn reallocate(&mut self, gpu: &Gpu, array: &AnyArray) -> Result<(), GpuError> {
-        self.buffers[self.sharing.block(array)] = allocate(gpu, array)?;
-        let texture = self.sharing.texture(array);
+        self.buffers[self.aliasing.block(array)] = allocate(gpu, array)?;
+        let texture = self.aliasing.texture(array);
         if textures::rows(array) > self.rows[texture] {
             self.rows[texture] = textures::rows(array);
             self.textures.get_mut().unwrap_or_else(PoisonError::into_inner).remove(&texture);
@@ -64,7 +64,7 @@ impl Memory {
     }
 
     pub(crate) fn buffer(&self, array: &AnyArray) -> &wgpu::Buffer {
-        &self.buffers[self.sharing.block(array)]
+        &self.buffers[self.aliasing.block(array)]
     }
 
     /// The binding of an array: the whole of it, or one element. Its buffer may be longer, and a uniform is whole rows.
@@ -84,7 +84,7 @@ impl Memory {
     /// The texture of an array, of texels of so many bytes.
     pub(crate) fn texture(&self, gpu: &Gpu, array: &AnyArray, texel: u32) -> Result<wgpu::Texture, GpuError> {
         let mut textures = self.textures.lock().unwrap_or_else(PoisonError::into_inner);
-        let number = self.sharing.texture(array);
+        let number = self.aliasing.texture(array);
         if let Some(texture) = textures.get(&number) {
             return Ok(texture.clone());
         }
@@ -154,7 +154,7 @@ impl Memory {
         look: impl FnOnce(&[&[u8]]) -> R,
     ) -> Result<R, GpuError> {
         for array in arrays {
-            if array.life() == Life::Scratch && !self.sharing.is_alone(array) {
+            if array.life() == Lifetime::Transient && !self.aliasing.is_alone(array) {
                 return Err(GpuError::Shared { array: array.name() });
             }
         }

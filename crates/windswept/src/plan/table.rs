@@ -7,11 +7,11 @@ use windswept_shaders::{Binding, Operations};
 
 use super::Plan;
 use crate::{
+    aliasing::Aliasing,
     array::AnyArray,
     engine::first_sizes,
     recorder::{Command, Recorder},
     setup::Setup,
-    sharing::Sharing,
     state::State,
     step, textures,
 };
@@ -90,12 +90,12 @@ impl BufferRow {
 }
 
 /// The buffers of a setup at the start of a run, how they share memory, and the largest array of each texture on a software adapter.
-fn first_memory(setup: &Setup<'_>) -> (Vec<AnyArray>, Sharing, Vec<AnyArray>) {
+fn first_memory(setup: &Setup<'_>) -> (Vec<AnyArray>, Aliasing, Vec<AnyArray>) {
     let state = State::new(&first_sizes(u64::MAX, setup));
     let (arrays, recordings) = (state.arrays(), step::recordings(&state, &Plan::new(setup)));
-    let sharing = Sharing::of(&arrays, &recordings);
-    let textures = sharing.textures(&arrays, &recordings);
-    (arrays, sharing, textures)
+    let aliasing = Aliasing::of(&arrays, &recordings);
+    let textures = aliasing.textures(&arrays, &recordings);
+    (arrays, aliasing, textures)
 }
 
 /// GPU memory of a scene at the start of a run; its neighbour list may grow.
@@ -116,9 +116,9 @@ pub struct MemoryBytes {
 pub fn memory_bytes(scene: &Scene, initial: &InitialState) -> Result<MemoryBytes, SceneError> {
     initial.check()?;
     let setup = Setup::new(scene, initial);
-    let (arrays, sharing, textures) = first_memory(&setup);
+    let (arrays, aliasing, textures) = first_memory(&setup);
     Ok(MemoryBytes {
-        buffers: sharing.bytes(&arrays),
+        buffers: aliasing.bytes(&arrays),
         textures: textures.iter().map(textures::bytes).sum(),
         grows: Plan::new(&setup).neighbours.runs,
     })
@@ -190,13 +190,13 @@ fn uses(command: &Command) -> Uses {
 /// [`SceneError`] when the initial state cannot be made.
 pub fn buffers(scene: &Scene) -> Result<Vec<BufferRow>, SceneError> {
     let initial = InitialState::new(scene)?;
-    let (arrays, sharing, textures) = first_memory(&Setup::new(scene, &initial));
-    let largest = sharing.largest(&arrays);
+    let (arrays, aliasing, textures) = first_memory(&Setup::new(scene, &initial));
+    let largest = aliasing.largest(&arrays);
     let row = |array: &AnyArray| BufferRow {
         name: array.name(),
         len: array.len(),
         stride: array.stride(),
-        memory: largest[sharing.block(array)].name(),
+        memory: largest[aliasing.block(array)].name(),
         texture_bytes: textures.iter().find(|first| first.slot() == array.slot()).map_or(0, textures::bytes),
         doc: array.doc(),
     };

@@ -14,7 +14,7 @@ use windswept_scene::{AtomicFile, InitialState, Scene};
 use windswept_shaders::common::rod::{Root, StrandHistory};
 
 use super::{
-    Hair, Simulation,
+    Origin, Simulation,
     drive::{held, is_rotation, is_wind},
 };
 use crate::{
@@ -176,14 +176,14 @@ impl Checkpoint {
         let buffers = State::new(&Sizes::default()).lasting();
         let buffers = buffers.iter().map(|array| section(array.name())).collect::<Result<_, _>>()?;
         reading.end().map_err(refused)?;
-        let text = std::str::from_utf8(&text).map_err(|error| misfit(&file, format!("section {SCENE}: {error}")))?;
+        let text = std::str::from_utf8(&text).map_err(|error| invalid(&file, format!("section {SCENE}: {error}")))?;
         let scene = Scene::parse_named(&format!("{file}, section {SCENE}"), text);
-        let scene = scene.map_err(|error| misfit(&file, error.to_string()))?;
+        let scene = scene.map_err(|error| invalid(&file, error.to_string()))?;
         let now = self::files(&scene);
         if let Some((what, _)) = files.iter().find(|(what, sum)| sum.is_some() && !now.contains(&(what.clone(), *sum)))
         {
             let words = format!("{what} has changed since the simulation was saved, or cannot be read any more");
-            return Err(misfit(&file, words));
+            return Err(invalid(&file, words));
         }
         Ok(Self { file, about, scene, files, initial, driven, notes, buffers })
     }
@@ -240,17 +240,17 @@ impl Checkpoint {
         let Self { file, scene, files, mut initial, driven, buffers, .. } = self;
         initial.warnings.extend(differs);
         let failed = |error| CheckpointError::Start { file: file.clone(), error };
-        let mut simulation = Simulation::begun(gpu, &scene, initial, Hair::Given).map_err(failed)?;
+        let mut simulation = Simulation::build(gpu, &scene, initial, Origin::Untrusted).map_err(failed)?;
         let strands = simulation.initial.hair.len();
         if driven.root_frames.len() != strands {
             let words = format!("section {DRIVEN} has {} root frames for {strands} strands", driven.root_frames.len());
-            return Err(misfit(&file, words));
+            return Err(invalid(&file, words));
         }
         if let Some(s) = driven.root_frames.iter().position(|frame| !is_rotation(frame)) {
-            return Err(misfit(&file, format!("section {DRIVEN}: the root frame of strand {s} is not a rotation")));
+            return Err(invalid(&file, format!("section {DRIVEN}: the root frame of strand {s} is not a rotation")));
         }
         if let Some(wind) = driven.wind.filter(|wind| !is_wind(wind)) {
-            return Err(misfit(&file, format!("section {DRIVEN} has a wind of {wind} m/s")));
+            return Err(invalid(&file, format!("section {DRIVEN} has a wind of {wind} m/s")));
         }
         simulation.plan_force(driven.pushes).map_err(|error| failed(Error::Gpu(error)))?;
         let engine = &simulation.engine;
@@ -258,10 +258,10 @@ impl Checkpoint {
             let (found, expected) = (bytes.len() as u64, array.stride() * array.len());
             if found != expected {
                 let words = format!("section {} has {found} bytes, the scene needs {expected}", array.name());
-                return Err(misfit(&file, words));
+                return Err(invalid(&file, words));
             }
             if let Some((row, words)) = unusable(engine.state(), array, bytes) {
-                return Err(misfit(&file, format!("section {}: row {row} {words}", array.name())));
+                return Err(invalid(&file, format!("section {}: row {row} {words}", array.name())));
             }
             engine.write_bytes(array, bytes)?;
         }
@@ -271,8 +271,8 @@ impl Checkpoint {
             simulation.last = status::thawed(&simulation.last);
             engine.set_status(&simulation.last)?;
         }
-        simulation.begun = simulation.last.step;
-        simulation.steps = u64::from(simulation.begun) / simulation.substeps();
+        simulation.first_substep = simulation.last.step;
+        simulation.steps = u64::from(simulation.first_substep) / simulation.substeps();
         simulation.root_frames = driven.root_frames;
         simulation.resets = driven.resets;
         simulation.files = OnceLock::from(files);
@@ -391,7 +391,7 @@ fn unusable(state: &State, array: &AnyArray, bytes: &[u8]) -> Option<(usize, &'s
     }
 }
 
-fn misfit(file: &str, problem: String) -> CheckpointError {
+fn invalid(file: &str, problem: String) -> CheckpointError {
     CheckpointError::Content { file: file.to_owned(), problem }
 }
 
@@ -400,12 +400,12 @@ fn unreadable(file: &str, reason: io::Error) -> CheckpointError {
 }
 
 fn encoded(file: &str, content: &impl Serialize) -> Result<Vec<u8>, CheckpointError> {
-    postcard::to_stdvec(content).map_err(|error| misfit(file, error.to_string()))
+    postcard::to_stdvec(content).map_err(|error| invalid(file, error.to_string()))
 }
 
 fn decoded<T: DeserializeOwned>(file: &str, section: &str, bytes: &[u8]) -> Result<T, CheckpointError> {
     let wrong =
-        |words: &str| misfit(file, format!("section {section} is not what this windswept writes there: {words}"));
+        |words: &str| invalid(file, format!("section {section} is not what this windswept writes there: {words}"));
     match postcard::take_from_bytes(bytes) {
         Ok((content, [])) => Ok(content),
         Ok((_, rest)) => Err(wrong(&format!("{} bytes are left", rest.len()))),

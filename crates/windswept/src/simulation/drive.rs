@@ -7,7 +7,7 @@ use windswept_scene::{
     Solver,
     limits::{FASTEST_WIND, LARGEST, SMALLEST},
 };
-use windswept_shaders::common::sound::FAST;
+use windswept_shaders::common::validity::FAST;
 
 use super::Simulation;
 use crate::{

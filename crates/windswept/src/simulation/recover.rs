@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec3};
 use windswept_shaders::common::{
-    rod::{BAD, SPOILT},
+    rod::{FAILED, SPOILT},
     status::{NON_FINITE_AIR, STRAND_RESET, Status, TOO_MANY_BAD_STRANDS},
 };
 
@@ -35,8 +35,8 @@ impl Simulation {
         let (mut histories, found) = (self.engine.read(&s.strand_history)?, self.engine.read(&s.rod_strands)?);
         let mut bad = Vec::new();
         for ((strand, history), found) in (0_u32..).zip(&mut histories).zip(found) {
-            if found.condition.bad != 0 || history.condition.bad == SPOILT {
-                history.condition.bad = BAD;
+            if found.condition.failed != 0 || history.condition.failed == SPOILT {
+                history.condition.failed = FAILED;
                 bad.push(strand);
             }
         }

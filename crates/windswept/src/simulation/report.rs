@@ -34,13 +34,13 @@ impl Simulation {
             (n > 0).then(|| (sum / f64::from(n)).sqrt())
         };
         Ok(Report {
-            schema: 1,
+            schema: 2,
             windswept: env!("CARGO_PKG_VERSION").to_owned(),
             commit: option_env!("WINDSWEPT_COMMIT").map(str::to_owned),
             scene: self.scene.title.clone(),
             method: format!("{:?}", self.scene.method).to_lowercase(),
             adapter: self.engine.gpu().info().clone(),
-            texts: self.engine.gpu().texts(),
+            variant: self.engine.gpu().variant(),
             particles: Counts {
                 hair: sizes.hair_points.into(),
                 air: sizes.air().into(),

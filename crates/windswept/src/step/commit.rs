@@ -9,7 +9,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     r.stage("commit");
     let n = &plan.sizes;
     let velocity = plan.final_velocity(r.state());
-    r.when(&plan.mend, |r| {
+    r.when(&plan.recover, |r| {
         r.run(&commit::HOLD, "strands that are not finite stand still", n.strands).bind("final_velocity", &velocity);
     });
     r.run(&commit::CHECK, "is all finite", n.particles).bind("final_velocity", &velocity);

@@ -26,16 +26,16 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     r.when(&plan.fluid, |r| {
         r.repeat(plan.fluid_iterations, |r| {
             density(r, plan.constrained_clusters());
-            r.meet(&fluid::CORRECT, "shift toward rest density", plan.constrained_clusters());
+            r.dispatch_neighbours(&fluid::CORRECT, "shift toward rest density", plan.constrained_clusters());
             r.run(&fluid::MOVE, "apply the shift", n.constrained);
         });
     });
     let shift = r.state().shift;
     r.when(&plan.friction, |r| {
         r.run(&fluid::SLIP, "how hair would slip", n.hair_points);
-        r.meet(&fluid::SQUEEZE, "how hard strands are squeezed", n.clusters_of_hair());
-        r.meet(&fluid::FRICTION, "friction of hair on hair", n.clusters_of_hair());
-        r.run(&fluid::MOVE, "apply what friction moves", n.hair_points).bind("felt_shift", &shift);
+        r.dispatch_neighbours(&fluid::NORMAL_IMPULSE, "how hard strands are squeezed", n.clusters_of_hair());
+        r.dispatch_neighbours(&fluid::FRICTION, "friction of hair on hair", n.clusters_of_hair());
+        r.run(&fluid::MOVE, "apply what friction moves", n.hair_points).bind("velocity_shift", &shift);
     });
     r.when(&plan.density_alone, |r| density(r, plan.constrained_clusters()));
     r.when(&plan.pbf, |r| {
@@ -54,19 +54,19 @@ pub fn record_density(r: &mut Recorder<'_>, plan: &Plan) {
 }
 
 fn density(r: &mut Recorder<'_>, clusters: Range<u32>) {
-    r.meet(&fluid::DENSITY, "density and its multiplier", clusters);
+    r.dispatch_neighbours(&fluid::DENSITY, "density and its multiplier", clusters);
 }
 
 /// Air is spread, then its velocity is freed of divergence: by the pressures of the step before, on a coarse grid, by iterations.
 fn pressure(r: &mut Recorder<'_>, plan: &Plan) {
     let n = &plan.sizes;
     r.when(&plan.deformation, |r| {
-        r.meet(&fluid::DEFORM, "how the flow deforms air", n.clusters_of_air());
+        r.dispatch_neighbours(&fluid::DEFORM, "how the flow deforms air", n.clusters_of_air());
     });
-    r.meet(&fluid::SPREAD, "how air spreads evenly", n.clusters_of_air());
+    r.dispatch_neighbours(&fluid::SPREAD, "how air spreads evenly", n.clusters_of_air());
     r.run(&fluid::PLACE, "air spreads", n.air());
-    r.meet(&fluid::MOMENTS, "density, and gradients corrected", plan.flowing_clusters());
-    r.meet(&fluid::PUSH, "the pressure before pushes", plan.flowing_clusters());
+    r.dispatch_neighbours(&fluid::MOMENTS, "density, and gradients corrected", plan.flowing_clusters());
+    r.dispatch_neighbours(&fluid::PUSH, "the pressure before pushes", plan.flowing_clusters());
     solve(r, plan);
     r.when(&plan.walls, |r| {
         r.run(&fluid::PATH, "air beside bodies goes by its mean velocity", n.air());
@@ -79,7 +79,7 @@ fn pressure(r: &mut Recorder<'_>, plan: &Plan) {
 /// Records how air that is where it starts gets a velocity without divergence before the first step: no time passes.
 pub fn record_start(r: &mut Recorder<'_>, plan: &Plan) {
     r.stage("fluid");
-    r.meet(&fluid::MOMENTS, "density, and gradients corrected", plan.flowing_clusters());
+    r.dispatch_neighbours(&fluid::MOMENTS, "density, and gradients corrected", plan.flowing_clusters());
     for _ in 0..START {
         solve(r, plan);
     }
@@ -90,13 +90,13 @@ fn solve(r: &mut Recorder<'_>, plan: &Plan) {
     r.when(&plan.coarse, |r| on_coarse_grid(r, plan));
     for iteration in &plan.pressure_iterations {
         divergence(r, plan, *iteration);
-        r.meet(&fluid::PUSH, "pressure pushes", plan.flowing_clusters());
+        r.dispatch_neighbours(&fluid::PUSH, "pressure pushes", plan.flowing_clusters());
     }
 }
 
 fn divergence(r: &mut Recorder<'_>, plan: &Plan, iteration: Index<Iteration>) {
     let uniform = r.state().iteration.at(iteration);
-    r.meet(&fluid::DIVERGENCE, "divergence, and pressure against it", plan.flowing_clusters())
+    r.dispatch_neighbours(&fluid::DIVERGENCE, "divergence, and pressure against it", plan.flowing_clusters())
         .bind("iteration", &uniform);
 }
 

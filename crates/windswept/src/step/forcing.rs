@@ -7,11 +7,11 @@ use crate::{plan::Plan, recorder::Recorder, step::ONE_WORKGROUP};
 /// Records the passes of this stage.
 pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     r.stage("forcing");
-    let (n, missed) = (&plan.sizes, r.state().missed);
+    let (n, fringe_deficit) = (&plan.sizes, r.state().fringe_deficit);
     record_wind(r, plan);
     record_bodies(r, plan);
     r.when(&plan.hair, |r| {
-        r.when(&plan.mend, |r| {
+        r.when(&plan.recover, |r| {
             r.run(&forcing::RESET, "a strand that is not finite starts from rest", n.strands);
         });
         r.run(&forcing::ROOTS, "where clamps go", n.strands);
@@ -25,7 +25,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     r.when(&plan.wind, |r| {
         r.when(&plan.fringe, |r| {
             r.run(&forcing::FRINGE_DEFICIT, "what the fringe misses of the wind", n.air().div_ceil(TERMS));
-            r.run(&reduce::TOTAL, "what all of it misses", ONE_WORKGROUP).bind("totals", &missed);
+            r.run(&reduce::TOTAL, "what all of it misses", ONE_WORKGROUP).bind("totals", &fringe_deficit);
         });
         r.run(&forcing::FRINGE, "wind enters", n.air());
     });

@@ -11,7 +11,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     r.when(&plan.hair, |r| {
         r.run(&rods::BEGIN, "what hair points start from", n.hair_points);
         r.when(&plan.exchange, |r| {
-            r.meet(&rods::SAMPLE_AIR, "the air at hair points", n.clusters_of_hair());
+            r.dispatch_neighbours(&rods::SAMPLE_AIR, "the air at hair points", n.clusters_of_hair());
         });
         r.when(&plan.drag, |r| {
             r.when(&plan.fields, |r| {
@@ -43,7 +43,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
             r.run(&rods::EXCLUDE_PUSH, "the force that was set is no drag", n.hair_points);
         });
         r.when(&plan.exchange, |r| {
-            r.meet(&rods::REACT, "hair slows the air", n.clusters_of_air());
+            r.dispatch_neighbours(&rods::REACT, "hair slows the air", n.clusters_of_air());
         });
     });
 }

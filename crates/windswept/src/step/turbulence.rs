@@ -26,7 +26,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
                     if !plan.published_law {
                         vorticity(r, plan, &s.band_velocity);
                     }
-                    r.meet(&turbulence::CONFINE, "vorticity confinement", n.clusters_of_air())
+                    r.dispatch_neighbours(&turbulence::CONFINE, "vorticity confinement", n.clusters_of_air())
                         .bind("band", &s.band.at(band.law));
                 });
             });
@@ -97,5 +97,5 @@ fn grid(r: &mut Recorder<'_>, plan: &Plan, band: &BandPlan) {
 }
 
 fn vorticity(r: &mut Recorder<'_>, plan: &Plan, field: &AnyArray) {
-    r.meet(&turbulence::VORTICITY, "vorticity", plan.whirling_clusters()).bind("field", field);
+    r.dispatch_neighbours(&turbulence::VORTICITY, "vorticity", plan.whirling_clusters()).bind("field", field);
 }

@@ -9,9 +9,9 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     r.stage("viscosity");
     let n = &plan.sizes;
     r.when(&plan.limiter, |r| {
-        r.meet(&viscosity::LIMIT, "what XSPH may exchange", plan.limited_clusters.clone());
+        r.dispatch_neighbours(&viscosity::LIMIT, "what XSPH may exchange", plan.limited_clusters.clone());
     });
     r.when(&plan.viscosity, |r| {
-        r.meet(&viscosity::XSPH, "XSPH viscosity", n.clusters_of_all());
+        r.dispatch_neighbours(&viscosity::XSPH, "XSPH viscosity", n.clusters_of_all());
     });
 }

@@ -10,7 +10,7 @@ import package::common::field::{fields, Field, JET, VORTEX};
 
 @group(0) @binding(10) var<storage, read> field_strength: array<f32>;   // S at the end of the step [m/s]
 
-struct Gale {
+struct FieldVelocity {
     wind: vec3f,   // m/s, beside the mean wind
     rate: f32,     // 1/s, at which air is drawn to both
 }
@@ -19,7 +19,7 @@ fn fading(part: f32) -> f32 {
     return 1.0 - smoothstep(0.5, 1.0, part);
 }
 
-fn gale_of(field: Field, strength: f32, place: vec3f) -> Gale {
+fn field_velocity_of(field: Field, strength: f32, place: vec3f) -> FieldVelocity {
     let gap = place - field.origin;
     let along = dot(gap, field.axis);
     let across = gap - along * field.axis;
@@ -32,15 +32,15 @@ fn gale_of(field: Field, strength: f32, place: vec3f) -> Gale {
     let blown = fading(max(along / field.reach, -along / field.radius)) * fading(length(across) / field.radius);
     let is_jet = field.kind == JET;
     let weight = select(fading(q / field.reach), blown, is_jet);
-    return Gale(weight * strength * select(round, field.axis, is_jet), weight * abs(strength) / field.uptake);
+    return FieldVelocity(weight * strength * select(round, field.axis, is_jet), weight * abs(strength) / field.uptake);
 }
 
-fn gale_at(place: vec3f) -> Gale {
-    var sum = Gale(vec3f(0.0), 0.0);
+fn field_velocity_at(place: vec3f) -> FieldVelocity {
+    var sum = FieldVelocity(vec3f(0.0), 0.0);
     for (var k = 0u; k < arrayLength(&fields); k++) {
-        let gale = gale_of(fields[k], field_strength[k], place);
-        sum.wind += gale.wind;
-        sum.rate += gale.rate;
+        let force_field_velocity = field_velocity_of(fields[k], field_strength[k], place);
+        sum.wind += force_field_velocity.wind;
+        sum.rate += force_field_velocity.rate;
     }
     return sum;
 }

@@ -37,9 +37,9 @@ fn frames_of_another_size_are_refused() {
         let mut writer = VtkHdfWriter::create(&path, kind, &frame(0), 3, &PROVENANCE).unwrap();
         writer.append(&frame(0)).unwrap();
         writer.append(&frame(1)).unwrap();
-        let mut spoilt = frame(2);
-        spoil(&mut spoilt);
-        expect(writer.append(&spoilt), &["film.vtkhdf", "frame 2", words]);
+        let mut invalid = frame(2);
+        spoil(&mut invalid);
+        expect(writer.append(&invalid), &["film.vtkhdf", "frame 2", words]);
         writer.append(&frame(2)).unwrap();
         expect(writer.append(&frame(3)), &["film.vtkhdf", "frame 3", "the 3 announced"]);
         writer.finish().unwrap();
@@ -64,9 +64,9 @@ fn senseless_layouts_are_refused() {
     let path = folder.path().join("film.vtkhdf");
     write(&path, Kind::Air, &film(2), 2);
     for (kind, frames, words, spoil) in faults {
-        let mut spoilt = frame(0);
-        spoil(&mut spoilt);
-        let refused = VtkHdfWriter::create(&path, kind, &spoilt, frames, &PROVENANCE);
+        let mut invalid = frame(0);
+        spoil(&mut invalid);
+        let refused = VtkHdfWriter::create(&path, kind, &invalid, frames, &PROVENANCE);
         expect(refused.map(drop), &["film.vtkhdf", words]);
         assert_holds(&path, Kind::Air, &film(2));
     }

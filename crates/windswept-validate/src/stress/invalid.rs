@@ -12,11 +12,11 @@ pub(super) const SWEPT: &str =
 /// Steps before, and after.
 const BEFORE: u64 = 20;
 const AFTER: u64 = 20;
-/// Strand that is spoilt, and which of its points and segments.
+/// Strand that is invalid, and which of its points and segments.
 const STRAND: usize = 2;
 const PLACE: usize = 4;
 
-/// Array that is spoilt.
+/// Array that is invalid.
 #[derive(Debug, Clone, Copy)]
 enum Spoilt {
     Position,
@@ -34,21 +34,22 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
         for (name, array) in &ARRAYS {
             for value in extent.of(&[f32::NAN, 1e30][..], &[f32::NAN]) {
                 let setting = format!("{name} = {value:e}");
-                let mut spoilt = Simulation::new(gpu, &scene(TUFT, &[keys])?)?;
+                let mut invalid = Simulation::new(gpu, &scene(TUFT, &[keys])?)?;
                 let mut by_hand = Simulation::new(gpu, &scene(TUFT, &[keys])?)?;
-                spoilt.step(BEFORE)?;
+                invalid.step(BEFORE)?;
                 by_hand.step(BEFORE)?;
-                spoil(&spoilt, *array, *value)?;
+                spoil(&invalid, *array, *value)?;
                 reset(&by_hand)?;
-                let ended = spoilt.step(AFTER).err().map(|error| format!(": {}", reason(&error))).unwrap_or_default();
+                let ended = invalid.step(AFTER).err().map(|error| format!(": {}", reason(&error))).unwrap_or_default();
                 by_hand.step(AFTER)?;
                 let setting = setting + &ended;
-                let named = spoilt.resets().iter().filter(|reset| reset.strands == 1 && reset.named == [STRAND as u32]);
-                let (named, all) = (named.count() as f64, super::resets(&spoilt));
+                let named =
+                    invalid.resets().iter().filter(|reset| reset.strands == 1 && reset.named == [STRAND as u32]);
+                let (named, all) = (named.count() as f64, super::resets(&invalid));
                 resets.add(*coupling, &setting, f64::NAN, (named - 1.0).abs().max((all - 1.0).abs()));
-                let (arrays, bytes) = differing(&spoilt, &by_hand)?;
+                let (arrays, bytes) = differing(&invalid, &by_hand)?;
                 others.add(*coupling, format!("{setting}{arrays}"), f64::NAN, bytes as f64);
-                let stretch = stretch(&spoilt.initial().hair, &points(&spoilt)?);
+                let stretch = stretch(&invalid.initial().hair, &points(&invalid)?);
                 whole.add(*coupling, &setting, f64::NAN, stretch);
             }
         }
@@ -69,15 +70,15 @@ fn spoil(simulation: &Simulation, array: Spoilt, value: f32) -> Result<(), Error
     Ok(engine.write(array, &rows)?)
 }
 
-/// Says that the strand is spoilt: the next step puts it into its rest shape, and counts it.
+/// Says that the strand is invalid: the next step puts it into its rest shape, and counts it.
 fn reset(simulation: &Simulation) -> Result<(), Error> {
     let engine = simulation.engine();
     let mut strands = engine.read(&engine.state().strand_history)?;
-    strands[STRAND].condition.bad = SPOILT;
+    strands[STRAND].condition.failed = SPOILT;
     Ok(engine.write(&engine.state().strand_history, &strands)?)
 }
 
-/// Names of the arrays of the state whose bytes differ, and the number of these bytes. Only the point that was found spoilt is left out.
+/// Names of the arrays of the state whose bytes differ, and the number of these bytes. Only the point that was found invalid is left out.
 fn differing(one: &Simulation, other: &Simulation) -> Result<(String, usize), Error> {
     let (a, b) = (one.engine(), other.engine());
     let (mut names, mut bytes) = (String::new(), 0);

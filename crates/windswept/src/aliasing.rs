@@ -1,7 +1,7 @@
 //! Which arrays lie in the same memory: those of which no recording needs two at a time.
 //!
 //! When an array is needed follows from what was recorded: from the first pass that binds it to the last one, in each recording.
-//! An array that is kept ([`Life::Kept`], [`Life::Lasting`]) lies alone, and so does one that a recording reads before any of its passes wrote it:
+//! An array that is kept ([`Lifetime::Static`], [`Lifetime::Checkpointed`]) lies alone, and so does one that a recording reads before any of its passes wrote it:
 //! what it holds came from elsewhere.
 //!
 //! Arrays that are read as textures (`textures.rs`) share those in the same way.
@@ -9,14 +9,14 @@
 use std::{cmp::Reverse, collections::BTreeMap, ops::Range};
 
 use crate::{
-    array::{AnyArray, Life},
+    array::{AnyArray, Lifetime},
     recorder::{Command, Recording},
     textures::{self, Reading},
 };
 
 /// Where each array lies, by the array's slot.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Sharing {
+pub struct Aliasing {
     /// The block of memory.
     blocks: Vec<usize>,
     /// The largest array that is read through the same texture, by its slot.
@@ -44,7 +44,7 @@ impl Blocks {
     }
 }
 
-impl Sharing {
+impl Aliasing {
     /// Every array alone, so that each can be looked at after any pass.
     #[must_use]
     pub fn none(arrays: &[AnyArray]) -> Self {
@@ -56,16 +56,16 @@ impl Sharing {
     /// room.
     #[must_use]
     pub fn of(arrays: &[AnyArray], recordings: &[Recording]) -> Self {
-        let mut sharing = Self::none(arrays);
+        let mut aliasing = Self::none(arrays);
         let mut order: Vec<(&AnyArray, Times)> =
             arrays.iter().map(|array| (array, needed(array, recordings))).collect();
         // What no pass binds is never needed: it fits anywhere, and comes last.
         order.sort_by_key(|(array, times)| Reverse((!times.is_empty(), array.bytes())));
         let mut blocks = Blocks::default();
         for (array, times) in order {
-            let kept = matches!(array.life(), Life::Kept | Life::Lasting);
+            let kept = matches!(array.life(), Lifetime::Static | Lifetime::Checkpointed);
             let alone = kept || recordings.iter().any(|recording| comes_from_elsewhere(array, recording));
-            sharing.blocks[array.slot()] = blocks.place(array, times, alone);
+            aliasing.blocks[array.slot()] = blocks.place(array, times, alone);
         }
         let mut read = read(recordings);
         read.sort_by_key(|reading| Reverse(reading.array.bytes()));
@@ -73,9 +73,9 @@ impl Sharing {
         for Reading { array, texel, times } in read {
             let same = textures.entry(texel).or_default();
             let block = same.place(&array, times, false);
-            sharing.textures[array.slot()] = same.0[block].0;
+            aliasing.textures[array.slot()] = same.0[block].0;
         }
-        sharing
+        aliasing
     }
 
     /// The block of an array.
@@ -166,8 +166,8 @@ fn needed(array: &AnyArray, recordings: &[Recording]) -> Times {
         let mut places = uses(array, recording).map(|(place, _)| before + place);
         let Some(first) = places.next() else { continue };
         let end = match array.life() {
-            Life::Scratch => places.next_back().unwrap_or(first) + 1,
-            Life::Left | Life::Kept | Life::Lasting => before + recording.running().count(),
+            Lifetime::Transient => places.next_back().unwrap_or(first) + 1,
+            Lifetime::Output | Lifetime::Static | Lifetime::Checkpointed => before + recording.running().count(),
         };
         times.push(first..end);
     }
