@@ -1,9 +1,9 @@
 """The paper's figures with numbers: runs their scenes, measures the films, and writes docs/figures.md with its pictures.
 
-    cargo xtask figures            # the small scenes, three seeds each
+    cargo xtask figures            # the small scenes, three seeds each, or so many as --seeds says
     cargo xtask figures --full     # the paper's size, one seed: for a GPU, or a night
 
-cargo xtask figures calls this program as `figures.py COMMAND [--full] [--check]`, COMMAND being the built windswept. A run whose
+cargo xtask figures calls this program as `figures.py COMMAND [--full] [--check] [--seeds N]`, COMMAND being the built windswept. A run whose
 scene, seed and program are those of a finished run in out/figures is not repeated. With --check the page stays as it is. The exit
 status is 1 where a claim of the page does not hold.
 """
@@ -73,11 +73,12 @@ class Numbers:
         return statistics.fmean(self[name])
 
     def spread(self, name: str) -> float:
-        """Standard deviation over the seeds, 0 for one seed."""
-        return statistics.stdev(self[name]) if len(self[name]) > 1 else 0.0
+        """Standard deviation over the seeds; not a number for one seed."""
+        return statistics.stdev(self[name]) if len(self[name]) > 1 else float("nan")
 
     def text(self, name: str, factor: float = 1.0, digits: int = 1) -> str:
-        return f"{factor * self.mean(name):.{digits}f} ± {factor * self.spread(name):.{digits}f}"
+        mean, spread = (f"{factor * x:.{digits}f}" for x in (self.mean(name), self.spread(name)))
+        return mean if spread == "nan" else f"{mean} ± {spread}"
 
 
 #: Rows of the table: number of `windswept measure` or of report.json, its words, factor and digits.
@@ -145,7 +146,7 @@ def claims(of: dict[str, Numbers], turns_at_rest: float) -> list[Claim]:
     turning = "turning_largest_degrees"
     ratio, between = large.mean("swing_m") / small.mean("swing_m"), middle.mean("swing_m") / small.mean("swing_m")
     apart = {
-        name: abs(small.mean(name) - loose.mean(name)) / max(small.spread(name), loose.spread(name), 1e-9)
+        name: abs(small.mean(name) - loose.mean(name)) / max(small.spread(name), loose.spread(name))
         for name in ("gathering", "coherence")
     }
     turns = of["fig4"].mean("turns") / turns_at_rest
@@ -242,7 +243,7 @@ def table(of: dict[str, Numbers]) -> list[str]:
 def write_page(of: dict[str, Numbers], found: list[Claim], adapter: str, seeds: int) -> None:
     lines = PAGE.read_text().split("<!-- generated: cargo xtask figures -->")[0].rstrip().splitlines()
     lines += ["", "<!-- generated: cargo xtask figures -->", ""]
-    lines += [f"Small scenes, {seeds} seeds each, 0.4 to 1 s; mean ± standard deviation over the seeds. Adapter: {adapter}.", ""]
+    lines += [f"Small scenes, {seeds} {'seed' if seeds == 1 else 'seeds'} each, 0.4 to 1 s; mean ± standard deviation over the seeds. Adapter: {adapter}.", ""]
     lines += table(of) + [""]
     lines += ["| Claim | Measured | |", "|---|---|---|"]
     lines += [f"| {c.sentence} | {c.found} | {'seen' if c.holds else '**not seen**'} |" for c in found] + [""]
@@ -255,7 +256,8 @@ def write_page(of: dict[str, Numbers], found: list[Claim], adapter: str, seeds: 
 
 def main() -> int:
     command, full, check = Path(sys.argv[1]), "--full" in sys.argv, "--check" in sys.argv
-    seeds = [1] if full else [1, 2, 3]
+    count = int(sys.argv[sys.argv.index("--seeds") + 1]) if "--seeds" in sys.argv else 1 if full else 3
+    seeds = list(range(1, count + 1))
     chosen = {name: figure for name, figure in FIGURES.items() if not full or name in ("fig2b", "fig3c")}
     folders = {name: [run(command, name, figure, seed, full) for seed in seeds] for name, figure in chosen.items()}
     of = {name: measured(runs) for name, runs in folders.items()}

@@ -7,7 +7,7 @@ use crate::{
     curves::Curves,
     declare::{Keys, words},
     error::SceneError,
-    hang::Hung,
+    inverse_statics::Hung,
     limits::{LARGEST, MAGNITUDES, MAX_CURVE_POINTS, MAX_HAIR_POINTS, MAX_POINTS_OF_A_STRAND},
     scene::{CLAMPED_TIP, FRICTION, Fibre, Scene, Solver},
     strand::{AirParticle, Shape, frame, turn, turned_onto},

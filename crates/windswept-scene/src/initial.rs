@@ -6,12 +6,12 @@ use serde::{Deserialize, Serialize};
 use crate::{
     air,
     body::Shape,
+    box_fit,
     curves::Curves,
     error::SceneError,
     groom::Groom,
     hair,
     limits::{DEEPEST_ROOT, MAX_AIR_PARTICLES},
-    reach,
     scene::{Air, Model, Scene},
     strand::AirParticle,
     strands::{Ends, Strands},
@@ -136,7 +136,7 @@ impl InitialState {
         }
         hair.consistent()?;
         hair.representable(scene)?;
-        warnings.extend(hair.carry_air(scene));
+        warnings.extend(hair.add_air_mass(scene));
         let bodies: Vec<Shape> = scene.bodies.iter().map(|body| body.at(0.0)).collect();
         rooted_outside(scene, &hair, &bodies)?;
         warnings.extend(warnings::of_idle(scene));
@@ -150,7 +150,7 @@ impl InitialState {
         }
         let mut state = Self { hair, warnings, ..Self::default() };
         if let Some((air, bounds)) = filled {
-            let bounds = reach::cut(scene, air, bounds, &state.hair)?;
+            let bounds = box_fit::cut(scene, air, bounds, &state.hair)?;
             // Fibres take no room from the air that they exchange drag with.
             let none = Strands::default();
             let displaces = if scene.interaction.model == Model::TwoWay { &none } else { &state.hair };

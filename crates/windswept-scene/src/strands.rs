@@ -36,7 +36,7 @@ pub struct Strands {
     /// Per point: inverse of the mass that it moves with \[1/kg\]; 0 where it is held.
     pub inverse_mass: Vec<f64>,
     /// Per point: its weight over that of the mass that it moves with, less than 1 where it carries air along
-    /// ([`Self::carry_air`]); empty for 1 everywhere.
+    /// ([`Self::add_air_mass`]); empty for 1 everywhere.
     pub weight: Vec<f64>,
     /// Per point: volume of the parcel of hair and air around it \[m³\].
     pub volume: Vec<f64>,

@@ -4,10 +4,10 @@ use glam::DVec3;
 
 use crate::{
     body::{Shape, blocked},
+    box_fit,
     force::ForceField,
     initial::AirParticles,
     limits::MAX_REPEATS,
-    reach,
     scene::{Air, Bounds, FRICTION, FluidSolver, Law, Model, Scene},
     solid,
     strands::Strands,
@@ -172,7 +172,7 @@ pub(crate) fn of_fields(scene: &Scene, hair: &Strands, air: &AirParticles) -> Ve
     if scene.interaction.model == Model::None {
         return Vec::new();
     }
-    let mut places = vec![reach::of_hair(scene, hair)];
+    let mut places = vec![box_fit::of_hair(scene, hair)];
     if !air.positions.is_empty() {
         places.push([air.min, air.min + air.size]);
     }

@@ -146,7 +146,7 @@ fn masses_and_compliances_are_those_of_a_fibre() {
 
 /// In one fluid with air, hair moves with at least a tenth of the mass of the air whose room it takes, and weighs what it weighed.
 #[test]
-fn light_hair_carries_air_along() {
+fn light_hair_has_the_added_mass_of_air() {
     let light = "hair.density=2";
     let (_, alone) = brush(&[light, "interaction.model=two-way"]);
     let (scene, with_air) = brush(&[light, "interaction.model=particles"]);
@@ -167,7 +167,7 @@ fn light_hair_carries_air_along() {
 
     // What carries air already carries no more, and what is heavy enough none.
     let mut again = carries.clone();
-    assert!(again.carry_air(&scene).is_empty());
+    assert!(again.add_air_mass(&scene).is_empty());
     assert_eq!(again, *carries);
     let (_, heavy) = brush(&["interaction.model=particles"]);
     assert!(heavy.hair.weight.is_empty() && heavy.warnings.iter().all(|warning| !warning.contains("lighter")));

@@ -26,16 +26,16 @@ pub(crate) use room::{check_room, first_sizes};
 use crate::{
     aliasing::Aliasing,
     array::{AnyArray, Array},
-    bodies,
     clusters::{self, Cluster},
     error::{GpuError, RunError},
     gpu::{Gpu, Memory, Profile, Program, Span, wgpu},
     recorder::{Recorder, Recording},
-    rods::{self, quat, vec4},
     setup::Setup,
     slots::Slots,
     state::{Sizes, State},
     status,
+    upload::bodies,
+    upload::rods::{self, quat, vec4},
 };
 
 /// Length of a neighbour list that has grown, over what the step needed: room for a few steps' changes.

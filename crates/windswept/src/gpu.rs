@@ -3,6 +3,7 @@
 mod adapter;
 mod memory;
 mod program;
+pub(crate) mod textures;
 
 use std::{
     collections::HashMap,

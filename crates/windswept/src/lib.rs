@@ -32,34 +32,22 @@
 
 mod aliasing;
 mod array;
-mod bands;
-mod bodies;
 mod clusters;
-mod coarse;
 mod engine;
 mod error;
-mod fields;
 mod frame;
 pub mod gpu;
-mod meshes;
-mod motion;
 pub mod ops;
-mod params;
 mod plan;
-mod pressure;
 mod recorder;
 mod report;
-mod rods;
-mod sections;
 mod setup;
 mod simulation;
 mod slots;
 mod state;
 mod status;
 mod step;
-mod taps;
-mod textures;
-mod winds;
+mod upload;
 
 /// The crate whose vectors and quaternions this one takes.
 pub use glam;
@@ -81,12 +69,12 @@ pub mod internals {
         aliasing::Aliasing,
         array::{AnyArray, Array, Index, Lifetime},
         engine::Engine,
-        motion::Motions,
         plan::{BandPlan, Plan},
         recorder::{Bindings, Command, Decision, Recorder, Recording},
         setup::Setup,
         slots::Slots,
         state::{Sizes, State},
+        upload::motion::Motions,
     };
     /// The device with other shaders in place of those of some passes, by the passes' names: to see a test fail.
     #[must_use]

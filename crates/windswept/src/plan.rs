@@ -12,14 +12,14 @@ use windswept_shaders::{
 
 use crate::{
     array::{AnyArray, Index},
-    bands::invocations,
-    coarse::Coarse,
-    params,
     recorder::Decision,
-    rods,
     setup::Setup,
     state::{Sizes, State},
     step::neighbours::Sort,
+    upload::bands::invocations,
+    upload::coarse::Coarse,
+    upload::params,
+    upload::rods,
 };
 
 pub use self::table::{BufferRow, MemoryBytes, PlanRow, Uses, buffers, memory_bytes, table};

@@ -7,8 +7,9 @@ use windswept_shaders::{
 };
 
 use crate::{
-    bands::Bands, bodies, coarse::Coarse, fields::Fields, meshes::Meshes, motion::Motions, params, pressure,
-    state::Sizes, step::neighbours::Sort, winds,
+    state::Sizes, step::neighbours::Sort, upload::bands::Bands, upload::bodies, upload::coarse::Coarse,
+    upload::fields::Fields, upload::meshes::Meshes, upload::motion::Motions, upload::params, upload::pressure,
+    upload::winds,
 };
 
 /// Everything that is derived from a scene before anything is allocated. Plan, buffers and what fills them come from here,

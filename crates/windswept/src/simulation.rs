@@ -7,6 +7,7 @@ mod force;
 mod measure;
 mod recover;
 mod report;
+pub(crate) mod sections;
 mod trace;
 
 use std::{sync::OnceLock, time::Instant};
@@ -26,9 +27,9 @@ use crate::{
     plan::Plan,
     recorder::{Recorder, Recording},
     report::Reset,
-    rods,
     setup::Setup,
     status, step,
+    upload::rods,
 };
 
 /// Time that a batch of steps should take, after which the host reads the status \[s\]: short enough for progress bars and Ctrl-C.
@@ -128,7 +129,7 @@ impl Simulation {
     }
 
     /// A simulation that starts from the caller's own arrays; the scene's `[hair]` and lattice are not looked at. Hair that is too light for
-    /// the model `particles` carries air along, with a warning: [`Strands::carry_air`](windswept_scene::Strands::carry_air).
+    /// the model `particles` carries air along, with a warning: [`Strands::add_air_mass`](windswept_scene::Strands::add_air_mass).
     ///
     /// # Errors
     /// [`Error::Scene`] when the arrays do not belong together, [`Error::Gpu`] when they do not fit the adapter.
@@ -153,7 +154,7 @@ impl Simulation {
     fn build(gpu: &Gpu, scene: &Scene, mut initial: InitialState, origin: Origin) -> Result<Self, Error> {
         let began = Instant::now();
         initial.check()?;
-        initial.warnings.extend(initial.hair.carry_air(scene));
+        initial.warnings.extend(initial.hair.add_air_mass(scene));
         let (given, scene) = (scene.clone(), scene.clone());
         let setup = Setup::new(&scene, &initial);
         let mut plan = Plan::new(&setup);

@@ -9,10 +9,11 @@ pub(crate) fn show(rest: &[&str]) -> Result {
     run(&mut program(rest)?)
 }
 
-/// The program that does so. `rest`: `--full` for the paper's size, `--check` to leave the page as it is.
+/// The program that does so. `rest`: `--full` for the paper's size, `--check` to leave the page as it is, `--seeds` and their number.
 pub(crate) fn program(rest: &[&str]) -> Result<Command> {
-    if let Some(word) = rest.iter().find(|word| !["--full", "--check"].contains(word)) {
-        return Err(format!("figures {word}: expected --full or --check"));
+    let known = |word: &&&str| ["--full", "--check", "--seeds"].contains(*word) || word.parse::<u32>().is_ok();
+    if let Some(word) = rest.iter().find(|word| !known(word)) {
+        return Err(format!("figures {word}: expected --full, --check or --seeds N"));
     }
     vulkan::any_driver()?;
     let python = venv::provide(&["pillow"])?;

@@ -7,9 +7,9 @@ use crate::{
     array::AnyArray,
     error::GpuError,
     gpu::{Gpu, check_sizes, wgpu},
-    meshes::Meshes,
     setup::{Setup, least_sizes},
     state::{Sizes, State},
+    upload::meshes::Meshes,
 };
 
 /// Elements of the neighbour list per cluster at the start: eight heads, and on the lattice some 75 particles near its eight (h/d = 1.92),

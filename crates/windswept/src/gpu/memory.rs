@@ -15,8 +15,8 @@ use crate::{
     array::{AnyArray, Array, Lifetime, is_uniform},
     error::GpuError,
     gpu::Gpu,
+    gpu::textures,
     state::State,
-    textures,
 };
 
 /// Size of a row of a uniform, four words \[bytes\].

@@ -10,10 +10,11 @@ use crate::{
     aliasing::Aliasing,
     array::AnyArray,
     engine::first_sizes,
+    gpu::textures,
     recorder::{Command, Recorder},
     setup::Setup,
     state::State,
-    step, textures,
+    step,
 };
 
 /// A row of `windswept plan`: a pass of the step.

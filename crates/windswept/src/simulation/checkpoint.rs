@@ -22,7 +22,7 @@ use crate::{
     error::{CheckpointError, Error},
     gpu::{AdapterChoice, AdapterInfo, Gpu, adapters},
     report::Reset,
-    sections::{Fault, Reading, Writing},
+    simulation::sections::{Fault, Reading, Writing},
     state::{Sizes, State},
     status,
 };

@@ -12,7 +12,8 @@ use windswept_shaders::common::validity::FAST;
 use super::Simulation;
 use crate::{
     error::{GpuError, RunError},
-    rods, winds,
+    upload::rods,
+    upload::winds,
 };
 
 impl Simulation {

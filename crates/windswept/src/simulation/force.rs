@@ -36,7 +36,7 @@ impl Simulation {
     /// set; without any accelerations nothing is pushed any more. It takes the place of a callback ([`Self::set_force_by`]).
     ///
     /// A hair point has the force m a, which its rod takes implicitly; m is its own mass, without that of air which it carries
-    /// ([`Strands::carry_air`](windswept_scene::Strands::carry_air)). A held point ignores it. A strand that sleeps wakes when its force
+    /// ([`Strands::add_air_mass`](windswept_scene::Strands::add_air_mass)). A held point ignores it. A strand that sleeps wakes when its force
     /// changes. Air has a Δt added to its velocity in each step; pressure then takes out what would compress the air, and what
     /// blows through the fringe is still held at the mean wind. The air does not lose what hair gets from this force.
     ///

@@ -4,8 +4,8 @@ use windswept_scene::{InitialState, Scene, Solid};
 use windswept_shaders::common::body::{Body, Grid};
 
 use crate::{
-    motion::Motions,
-    rods::{quat, vec3},
+    upload::motion::Motions,
+    upload::rods::{quat, vec3},
 };
 
 /// The scene's bodies, in local coordinates.

@@ -7,7 +7,7 @@ use windswept_shaders::common::rod::{
     TIP_JOINT,
 };
 
-use crate::motion::Motions;
+use crate::upload::motion::Motions;
 
 /// Rounds of the loops of one invocation of `rods/solve` or `rods/gauss_seidel`, at most: Mesa's software adapter ends the loops of an
 /// invocation after 65 535 rounds in all, without a word.

@@ -9,7 +9,7 @@ use windswept_shaders::common::{
     params::{ALONE, MEAN_WIND, PARTICLES, Params, TWO_WAY},
 };
 
-use crate::rods;
+use crate::upload::rods;
 
 /// Cells of the neighbour search in a kernel radius, per axis: fine along x, where cells of a row follow one another in memory.
 const CELLS_IN_RADIUS: [f64; 3] = [4.0, 1.0, 1.0];

@@ -19,7 +19,7 @@ impl Strands {
     /// to hair that carries it already. Returns a warning for each group of strands that carries more than before.
     ///
     /// [`InitialState::new`](crate::InitialState::new) and the engine, where it starts from a caller's arrays, do so.
-    pub fn carry_air(&mut self, scene: &Scene) -> Vec<String> {
+    pub fn add_air_mass(&mut self, scene: &Scene) -> Vec<String> {
         let air = scene.air.as_ref().filter(|_| scene.interaction.model == Model::Particles);
         let Some(density) = air.map(|air| LIGHTEST * air.rest_density) else { return Vec::new() };
         let segments: Vec<_> = (0..self.len()).flat_map(|s| self.segments(s).zip(self.points(s))).collect();

@@ -9,7 +9,7 @@ use windswept_shaders::common::{
     smoothing::ROW,
 };
 
-use crate::taps::{Taps, taps};
+use crate::upload::taps::{Taps, taps};
 
 /// A band on its grid, with the elements of `mesh` that its dispatches bind.
 #[derive(Debug, Clone, PartialEq)]
