@@ -1,4 +1,4 @@
-//! `cargo xtask demo`, `python`, `test`, `bench`, `stress`, `figures`, `fuzz`, `mutants` and `package`: set up what a clean clone lacks, then run it.
+//! `cargo xtask demo`, `python`, `test`, `bench`, `stress`, `figures`, `fuzz`, `mutants`, `new` and `package`: set up what a clean clone lacks, then run it.
 //!
 //! Everything that these commands fetch is either a system package, announced before it is installed, or lies in
 //! `target/venv`.
@@ -6,6 +6,7 @@
 mod bench;
 mod figures;
 mod mutants;
+mod new;
 mod package;
 mod python;
 mod system;
@@ -42,6 +43,8 @@ Commands:
   mutants  make small faults in the code, one at a time, and write which no test notices into
            benches/results/mutants.md, an hour and more; `mutants scene 3/16` for one part
            and another sixteenth of its mutants
+  new      `new pass STAGE/NAME`, `new key TABLE.NAME`, `new format NAME` write the skeleton of
+           something new in all its places; its test fails and says what to write
   package  build the crates and the Python package as they would be published; publishes nothing
 
 Each command installs or fetches what it needs and does not find: a Vulkan driver, CMake, packages of PyPI.";
@@ -67,6 +70,9 @@ fn main() -> ExitCode {
         ["stress", ref rest @ ..] => bench::stress(rest),
         ["mutants", ref rest @ ..] => mutants::test(rest),
         ["package"] => package::build(),
+        ["new", "pass", name] => new::pass(name),
+        ["new", "key", name] => new::key(name),
+        ["new", "format", name] => new::format(name),
         ["help" | "-h" | "--help"] => {
             println!("{USAGE}");
             return ExitCode::SUCCESS;
