@@ -129,6 +129,10 @@ impl FrameSink for Film {{
     fn append(&mut self, _frame: &Frame) -> Result<(), ExportError> {{
         Ok(())
     }}
+
+    fn finish(self: Box<Self>) -> Result<(), ExportError> {{
+        Ok(())
+    }}
 }}
 "
     );
