@@ -1,9 +1,10 @@
-//! What a GPU makes of the step: `cargo xtask bench --gpu --bandwidth GB/S`, or `cargo bench --bench gpu -- --bandwidth GB/S`.
+//! What a GPU makes of the step: `cargo xtask bench --gpu --bandwidth GB/S`, or `cargo bench --bench gpu -- --bandwidth
+//! GB/S`.
 //!
-//! Checks the adapter first (`windswept validate`, all of it), then times the paper's scenes and one of two million particles, each
-//! at one substep, and sets each pass beside the least time in which its arrays could cross the memory, and beside that in which its
-//! operations could be done. Writes
-//! `results/gpu-ADAPTER.json`. `cargo test --bench gpu` runs a few steps of a small scene, checks nothing and writes nothing.
+//! Checks the adapter first (`windswept validate`, all of it), then times the paper's scenes and one of two million
+//! particles, each at one substep, and sets each pass beside the least time in which its arrays could cross the memory,
+//! and beside that in which its operations could be done. Writes `results/gpu-ADAPTER.json`. `cargo test --bench gpu`
+//! runs a few steps of a small scene, checks nothing and writes nothing.
 
 use std::{error::Error, fs, path::PathBuf, process::ExitCode, time::Instant};
 
@@ -40,7 +41,8 @@ struct Arguments {
     /// Peak bandwidth of the adapter's memory, as its maker states it [GB/s]; without it no pass is set beside it
     #[arg(long, value_name = "GB/S")]
     bandwidth: Option<f64>,
-    /// Peak rate of operations on f32 of the adapter, as its maker states it [TFLOP/s]; without it no pass is set beside it
+    /// Peak rate of operations on f32 of the adapter, as its maker states it [TFLOP/s]; without it no pass is set
+    /// beside it
     #[arg(long, value_name = "TFLOP/S")]
     operations: Option<f64>,
     /// Steps of each scene that are timed pass by pass, and as many that are timed as a whole
@@ -203,8 +205,8 @@ fn measure(gpu: &Gpu, name: &str, file: &str, keys: &[&str], arguments: &Argumen
 /// Times that the neighbour list may grow while steps are timed.
 const ATTEMPTS: u32 = 4;
 
-/// What a step takes on the GPU, of many that are encoded and submitted together and run without timers, and what the host takes to encode
-/// it \[ms\].
+/// What a step takes on the GPU, of many that are encoded and submitted together and run without timers, and what the
+/// host takes to encode it \[ms\].
 fn on_the_gpu(gpu: &Gpu, simulation: &mut Simulation, steps: u64) -> Result<(f64, f64), Box<dyn Error>> {
     let ms_each = |from: Instant, to: Instant| (to - from).as_secs_f64() * 1e3 / steps as f64;
     for _ in 0..ATTEMPTS {

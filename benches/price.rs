@@ -2,8 +2,8 @@
 //!
 //! Two bounds, on one adapter in one run: a step of fig3c (s = 18 mm) takes at most 1.05 times as long as one of fig2b
 //! (6 mm), and all of turbulence at 6 mm at most 0.35 of what it takes by the direct sum cut at 3 s. Prints both,
-//! writes `results/price.csv`, and fails where one is passed. `cargo test --bench price` only shows that it runs: no test
-//! judges a time.
+//! writes `results/price.csv`, and fails where one is passed. `cargo test --bench price` only shows that it runs: no
+//! test judges a time.
 
 use std::{collections::BTreeMap, error::Error, fmt::Write, path::Path, process::ExitCode};
 
@@ -31,8 +31,8 @@ struct Arguments {
     /// Steps of each scene that are timed, by turns
     #[arg(long, default_value_t = 4)]
     rounds: u64,
-    /// `cargo bench` passes it; without it, as in `cargo test --bench price`, the run is one round of the small scenes, which
-    /// writes nothing and judges nothing
+    /// `cargo bench` passes it; without it, as in `cargo test --bench price`, the run is one round of the small scenes,
+    /// which writes nothing and judges nothing
     #[arg(long, hide = true)]
     bench: bool,
 }

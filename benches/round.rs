@@ -1,8 +1,9 @@
 //! One turn of a comparison: `cargo bench --bench round [-- --steps N] [NAME…]`.
 //!
-//! Prints a line per scene and stage, `SCENE HEADING MS` with tabs between, the time of a step on the adapter's own clock; and
-//! for each scene a line `wall`, the median time of a step on the host's clock, and a line `particles`. `cargo xtask bench` runs
-//! two builds of this program by turns. `cargo test --bench round` runs one step of the smallest scene.
+//! Prints a line per scene and stage, `SCENE HEADING MS` with tabs between, the time of a step on the adapter's own
+//! clock; and for each scene a line `wall`, the median time of a step on the host's clock, and a line `particles`.
+//! `cargo xtask bench` runs two builds of this program by turns. `cargo test --bench round` runs one step of the
+//! smallest scene.
 
 use std::{collections::BTreeMap, error::Error, process::ExitCode, time::Instant};
 
@@ -15,8 +16,8 @@ mod exit;
 mod timed;
 use timed::{Timed, scene};
 
-/// Scenes by name: file, keys, and whether it runs where nobody names it. Between them they have every stage but contact, and are
-/// short: a turn of all takes some ten seconds on a software adapter.
+/// Scenes by name: file, keys, and whether it runs where nobody names it. Between them they have every stage but
+/// contact, and are short: a turn of all takes some ten seconds on a software adapter.
 const SCENES: [(&str, &str, &[&str], bool); 7] = [
     // All of a step, small enough to stay in a CPU's cache.
     ("quick", "quick.toml", &["time.substeps=1"], true),

@@ -1,8 +1,8 @@
 //! How long the stages of a step take, and the whole step: `cargo bench --bench step [-- FILTER]`.
 //!
 //! A group per stage, and one for the whole step; in each a line per size, over what the stage's work grows with. Times
-//! are the adapter's own timestamps around the passes. `cargo test --bench step` runs each line once, those of large scenes left
-//! out. Scenes draw with the fixed seed of their file.
+//! are the adapter's own timestamps around the passes. `cargo test --bench step` runs each line once, those of large
+//! scenes left out. Scenes draw with the fixed seed of their file.
 #![allow(clippy::unwrap_used)] // a bench that cannot run ends
 
 use std::{cell::RefCell, collections::BTreeMap, env, time::Duration};

@@ -37,8 +37,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut strands = Simulation::with_groom(&gpu, &Scene::parse(SCENE)?, &groom)?;
     let mut brush = Simulation::new(&gpu, &scene)?;
 
-    // Steps are recorded beside whatever else the application encodes. A neighbour list that has to grow freezes a step:
-    // the step is not done then, and is recorded again.
+    // Steps are recorded beside whatever else the application encodes. A neighbour list that has to grow freezes a
+    // step: the step is not done then, and is recorded again.
     while brush.steps() < 3 {
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         brush.record(&mut encoder, 3 - brush.steps());

@@ -4,8 +4,9 @@
 #     python examples/fig3a_against_fig3c.py           # the small copies, 1 s each: minutes on a CPU
 #     python examples/fig3a_against_fig3c.py --small   # a few frames, to see it work
 #
-# Writes out/fig3/tips.png (how far the tips swing), out/fig3/spectrum.png (which eddies the air has), out/fig3/difference.png
-# (what the larger eddies change: energy by size, swing over time) and the two pictures, side by side in out/fig3/both.png.
+# Writes out/fig3/tips.png (how far the tips swing), out/fig3/spectrum.png (which eddies the air has),
+# out/fig3/difference.png (what the larger eddies change: energy by size, swing over time) and the two pictures, side by
+# side in out/fig3/both.png.
 
 # %%
 import sys

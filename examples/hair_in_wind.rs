@@ -1,5 +1,5 @@
-//! Draws docs/hair-in-wind.svg: hair at rest in the wind beside the curves in which it must stand, its drag over that of a stiff
-//! one, and the air in a porous strip of strands. `cargo run --example hair_in_wind`
+//! Draws docs/hair-in-wind.svg: hair at rest in the wind beside the curves in which it must stand, its drag over that
+//! of a stiff one, and the air in a porous strip of strands. `cargo run --example hair_in_wind`
 
 use std::error::Error;
 

@@ -84,7 +84,8 @@ def main() -> None:
     chance = random.Random(1)
     areas = [math.hypot(*normal(corners)) for corners in triangles]
     curls = [curl(corners, chance) for corners in chance.choices(triangles, weights=areas, k=CURLS)]
-    # Which arrays there are (segments and points), then thickness, transparency and colour for a renderer, and what the file is.
+    # Which arrays there are (segments and points), then thickness, transparency and colour for a renderer, and what the
+    # file is.
     head = struct.pack("<4s4I5f88s", b"HAIR", CURLS, CURLS * POINTS, 0b11, 0, 0.01, 0, 1, 1, 1, b"curls, by make_groom.py")
     segments = struct.pack(f"<{CURLS}H", *[POINTS - 1] * CURLS)
     points = struct.pack(f"<{3 * CURLS * POINTS}f", *(x for curl in curls for point in curl for x in point))

@@ -61,7 +61,8 @@ fn hair_sticks_and_slides_by_coulombs_law() {
         let wanted = 0.5 * (STEPS * (STEPS + 1)) as f64 * scene.time.step.powi(2) * pull;
         println!("slope {slope}: slid {:.6} m, Coulomb's {wanted:.6} m", went[1]);
         for slid in went {
-            // Measured 7.5e-6 m in 0.28 s, 2e-5 of a free fall, and 0.3 %: velocities are differences of f32; margins 4 and 2.
+            // Measured 7.5e-6 m in 0.28 s, 2e-5 of a free fall, and 0.3 %: velocities are differences of f32; margins 4
+            // and 2.
             assert!((slid - wanted).abs() < 3e-5 + 6e-3 * wanted, "slope {slope}: {slid}, not {wanted}");
         }
         assert!(end.iter().all(|x| (x.y - 0.05).abs() < 1e-6 && x.z.abs() < 1e-6), "it leaves the bar: {end:?}");
@@ -98,7 +99,8 @@ fn a_strand_drapes_over_a_ball() {
     }
 }
 
-/// A bar of 20 mm comes at 2 m/s, or so late that the strand sleeps, and takes the strand along: no segment ever lies across.
+/// A bar of 20 mm comes at 2 m/s, or so late that the strand sleeps, and takes the strand along: no segment ever lies
+/// across.
 #[test]
 fn a_bar_takes_hair_along() {
     let text = "interaction.model = \"none\"\n[time]\nstep = 1.38e-3\nduration = 2.0\n[hair]\nstrands = 1\npoints = 51\nlength = 0.1\n\
@@ -146,8 +148,8 @@ fn hair_that_lies_sleeps_until_its_body_goes() {
     assert!((after[20] - lying[20]).length() > 0.02, "it hangs in the air: {} {}", lying[20], after[20]);
 }
 
-/// Hair that a strong wind presses on a ball keeps its length, and stays out. Held at both ends, with a ball that comes between them, it
-/// cannot do both: it keeps its length, and the run says that its steps are not solved.
+/// Hair that a strong wind presses on a ball keeps its length, and stays out. Held at both ends, with a ball that comes
+/// between them, it cannot do both: it keeps its length, and the run says that its steps are not solved.
 #[test]
 fn hair_that_cannot_go_round_a_body_is_warned_of() {
     let text = "interaction.model = \"drag\"\n[time]\nstep = 1.38e-3\nduration = 2.0\n[hair]\nstrands = 1\npoints = 17\nlength = 0.08\n\
@@ -170,8 +172,8 @@ fn hair_that_cannot_go_round_a_body_is_warned_of() {
     }
 }
 
-/// Depth of the deepest place of any segment below the surface of any body now \[m\], but for each strand's first; negative if all are
-/// outside.
+/// Depth of the deepest place of any segment below the surface of any body now \[m\], but for each strand's first;
+/// negative if all are outside.
 fn deepest_place(simulation: &Simulation, points_of_strand: usize) -> f64 {
     let placed: Vec<Shape> = simulation.scene().bodies.iter().map(|body| body.at(simulation.time())).collect();
     let x = points(&simulation.frame().unwrap().hair.positions);
@@ -181,8 +183,8 @@ fn deepest_place(simulation: &Simulation, points_of_strand: usize) -> f64 {
     places.map(depth).fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// A strand with 10 mm between points falls on a ball of 6 mm, on a ball of triangles, and on the edge of a plate of 2 mm, all under the
-/// middle of one of its segments: it lies on it.
+/// A strand with 10 mm between points falls on a ball of 6 mm, on a ball of triangles, and on the edge of a plate of 2
+/// mm, all under the middle of one of its segments: it lies on it.
 #[test]
 fn segments_lie_on_what_is_smaller_than_they_are() {
     let text = "interaction.model = \"none\"\n[time]\nstep = 1.38e-3\nduration = 2.0\n[rods]\ndamping = 10\n[hair]\nstrands = 1\npoints = 9\nlength = 0.08\n\
@@ -261,14 +263,15 @@ fn comes_out_slowly(name: &str, scene: &Scene, points_of_strand: usize) {
     assert!(fastest < 0.2 && stretch < 2e-3, "{fastest} m/s, {stretch}");
 }
 
-/// Hair that starts through a plate, with no point in it or with one, is not thrown: the first came to 16.7 m/s in 20 steps where
-/// its segments did not mark it.
+/// Hair that starts through a plate, with no point in it or with one, is not thrown: the first came to 16.7 m/s in 20
+/// steps where its segments did not mark it.
 #[test]
 fn hair_that_starts_through_a_plate_is_not_thrown() {
     let text = "interaction.model = \"drag\"\nair = { wind = [0, 0, 0] }\nrods.sleep = false\n\
         time = { step = 1.38e-3, duration = 1.0 }\n[[body]]\nradius = 0.04\ncenter = [0, 0, 0]\n";
     let round = Scene::parse(text).unwrap();
-    // Thickness of the plate, distance between points, of the root from the plate's middle and of the strand from the plate's edge [m].
+    // Thickness of the plate, distance between points, of the root from the plate's middle and of the strand from the
+    // plate's edge [m].
     let cases = [
         (0.005, 0.009, -0.040, 0.02),
         (0.005, 0.009, -0.040, 0.005),
@@ -301,8 +304,8 @@ fn hair_that_starts_through_a_plate_is_not_thrown() {
     }
 }
 
-/// Hair that is rooted 0.2 to 1.5 mm below a surface and combed along it, or into it, comes out slowly and rests, on a mesh too. Its
-/// shape at rest bends it back into the body.
+/// Hair that is rooted 0.2 to 1.5 mm below a surface and combed along it, or into it, comes out slowly and rests, on a
+/// mesh too. Its shape at rest bends it back into the body.
 #[test]
 fn hair_rooted_inside_comes_out_and_rests() {
     const RADIUS: f64 = 0.04;
@@ -350,8 +353,8 @@ fn hair_rooted_inside_comes_out_and_rests() {
     }
 }
 
-/// Wind past a ball in a periodic box, in the substeps that `windswept check` asks for: in steps of 1.38 ms a void opens behind the ball
-/// with solver divergence.
+/// Wind past a ball in a periodic box, in the substeps that `windswept check` asks for: in steps of 1.38 ms a void
+/// opens behind the ball with solver divergence.
 const PASSED: &str = "[time]\nstep = 1.38e-3\nsubsteps = 2\nduration = 1.0\n[air]\nbox = { min = [0.0, 0.0, 0.0], max = [0.16, 0.09, 0.09] }\nwind = [3.0, 0.0, 0.0]\n\
     [fluid]\niterations = 6\n[[body]]\nname = \"ball\"\nradius = 0.02\ncenter = [0.07, 0.045, 0.045]\n";
 
@@ -391,8 +394,8 @@ fn around_a_ball(solver: &str) {
         }
     }
     println!("{solver}: u before {before:.2}, beside {beside:.2}, behind {behind:.2} m/s");
-    // Measured 2.58, 3.41 and 0.62 m/s with pbf, 2.43, 3.32 and 1.99 m/s with divergence: air slips on the ball, and an ideal fluid
-    // would have no wake.
+    // Measured 2.58, 3.41 and 0.62 m/s with pbf, 2.43, 3.32 and 1.99 m/s with divergence: air slips on the ball, and an
+    // ideal fluid would have no wake.
     let slowed = if solver == "pbf" { 0.5 } else { 0.75 };
     assert!(behind < slowed * beside && beside > 3.0 && before < 2.7, "{before} {beside} {behind}");
 }
@@ -416,7 +419,8 @@ fn a_moving_ball_pushes_air() {
     assert!((0.5..1.1).contains(&before) && beside < -0.04, "{before} {beside}");
 }
 
-/// A cylinder of 12 mm in 3 m/s is told of in a step of 1.38 ms, in which air goes a third of its radius, and not in half of that.
+/// A cylinder of 12 mm in 3 m/s is told of in a step of 1.38 ms, in which air goes a third of its radius, and not in
+/// half of that.
 #[test]
 fn steps_too_long_for_a_body_are_counted() {
     let cylinder = "body=[{shape='capsule',start=[0.05,0.045,-0.05],end=[0.05,0.045,0.1],radius=0.012}]";
@@ -431,8 +435,8 @@ fn steps_too_long_for_a_body_are_counted() {
     assert!(counted[0] > 40 && counted[1] == 0, "{counted:?}");
 }
 
-/// A post that stands on the floor of the box is a wall to the air at the ceiling as well, which is next to it: without that, air that left
-/// through the ceiling came out in the post, and crowded there to 1.46 of its density.
+/// A post that stands on the floor of the box is a wall to the air at the ceiling as well, which is next to it: without
+/// that, air that left through the ceiling came out in the post, and crowded there to 1.46 of its density.
 #[test]
 fn a_post_through_the_floor_is_a_wall_at_the_ceiling() {
     let post = "body=[{shape='capsule',start=[0.05,-0.04,0.035],end=[0.05,0.02,0.035],radius=0.012}]";
@@ -450,7 +454,8 @@ fn a_post_through_the_floor_is_a_wall_at_the_ceiling() {
     assert!(nearest > 1.9e-3 && densest < 1.25, "{nearest} {densest}");
 }
 
-/// examples/scenes/head.toml, its head turned at once: hair and air stay out of the mesh, hair goes with it, nothing to be warned of.
+/// examples/scenes/head.toml, its head turned at once: hair and air stay out of the mesh, hair goes with it, nothing to
+/// be warned of.
 #[test]
 fn hair_stays_on_a_head_that_turns() {
     let soon = ["body.head.motion.0.time=0.01", "body.head.motion.1.time=0.05"].map(str::to_owned);

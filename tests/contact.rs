@@ -1,5 +1,5 @@
-//! Hair in contact, and on pins: a ball through it, a head in strong wind, rest, what wakes, pins that turn with a head, anything among three
-//! bodies.
+//! Hair in contact, and on pins: a ball through it, a head in strong wind, rest, what wakes, pins that turn with a
+//! head, anything among three bodies.
 
 #![allow(clippy::unwrap_used)]
 
@@ -65,7 +65,8 @@ fn a_ball_takes_hair_along() {
         }
         let stretch = simulation.report().unwrap().max_stretch.unwrap();
         println!("{speed} m/s, {points} points, mesh {mesh}: {deep:.1e} m deep, stretch {stretch:.1e}");
-        // Measured 4.3e-5 m and 2.0e-3 at 30 m/s. The ball moves by less than its radius in a step: hair that passed through it would be deep in it.
+        // Measured 4.3e-5 m and 2.0e-3 at 30 m/s. The ball moves by less than its radius in a step: hair that passed
+        // through it would be deep in it.
         assert!(deep < 2e-4 && stretch < 4e-3, "{speed} m/s: {deep} m deep, stretch {stretch}");
     }
 }
@@ -214,8 +215,8 @@ fn held_tips_go_with_their_roots() {
     }
 }
 
-/// Strands of all kinds among three bodies that move at up to 10 m/s and turn, in winds to 15 m/s, tangled or loose: none is lost or longer by
-/// more than the cut, or flung.
+/// Strands of all kinds among three bodies that move at up to 10 m/s and turn, in winds to 15 m/s, tangled or loose:
+/// none is lost or longer by more than the cut, or flung.
 fn anything_goes(scenes: std::ops::Range<u64>) {
     let (mut stretch, mut speed, mut strands, mut unsolved, mut deep) = (0.0_f64, 0.0_f64, 0, 0, 0.0_f64);
     for number in scenes {

@@ -56,8 +56,8 @@ fn no_acceleration_changes_nothing() {
     }
 }
 
-/// A callback is asked once before each step of Δt, with the state as it is then; what it returns does what the same arrays do when
-/// they are set; its error ends the stepping and says why.
+/// A callback is asked once before each step of Δt, with the state as it is then; what it returns does what the same
+/// arrays do when they are set; its error ends the stepping and says why.
 #[test]
 fn callbacks_are_asked_before_each_step() {
     let sets = &["time.substeps=3"];
@@ -140,7 +140,8 @@ fn wrong_accelerations_are_named() {
     simulation.step(1).unwrap();
 }
 
-/// Fields of a hundred metres a second, of a millimetre, of a length that nothing has, and forces that tear leave numbers.
+/// Fields of a hundred metres a second, of a millimetre, of a length that nothing has, and forces that tear leave
+/// numbers.
 #[test]
 fn harsh_fields_leave_numbers() {
     let field = |keys: &str| format!("force={{origin=[0.05,0.03,0.03],{keys}}}");

@@ -1,5 +1,5 @@
-//! What goes wrong with a GPU is an error that names it, or is done in another way: a device that is lost, that runs out of memory or
-//! allows little.
+//! What goes wrong with a GPU is an error that names it, or is done in another way: a device that is lost, that runs
+//! out of memory or allows little.
 #![allow(clippy::unwrap_used)]
 
 mod support;
@@ -33,8 +33,8 @@ fn places(simulation: &Simulation) -> Vec<[f32; 3]> {
     [frame.hair.positions, frame.air.positions].concat()
 }
 
-/// A device that is destroyed in the middle of a run: whatever the caller does next is an error, nothing panics, and another
-/// simulation of the same process goes on.
+/// A device that is destroyed in the middle of a run: whatever the caller does next is an error, nothing panics, and
+/// another simulation of the same process goes on.
 #[test]
 fn a_lost_device_is_an_error() {
     let (device, gpu) = with_limits(wgpu::Limits::default());
@@ -130,8 +130,8 @@ fn limits_below_the_defaults_are_named() {
     }
 }
 
-/// Bindings too small for the scene are refused before anything is allocated, with the array and what would fit. Where a binding
-/// holds every array but a neighbour list of the usual length, the list is as long as fits.
+/// Bindings too small for the scene are refused before anything is allocated, with the array and what would fit. Where
+/// a binding holds every array but a neighbour list of the usual length, the list is as long as fits.
 #[test]
 fn small_bindings_are_named() {
     let with_binding = |bytes: u64| {
@@ -145,8 +145,8 @@ fn small_bindings_are_named() {
     enough.step(2).unwrap();
 }
 
-/// What is too large by the numbers that the scene or the groom says is refused before the initial state is made, which here cannot be, in
-/// the words that are said of a state that was made.
+/// What is too large by the numbers that the scene or the groom says is refused before the initial state is made, which
+/// here cannot be, in the words that are said of a state that was made.
 #[test]
 fn what_cannot_fit_is_refused_before_it_is_made() {
     let limits = wgpu::Limits { max_storage_buffer_binding_size: 16 << 10, ..wgpu::Limits::default() };

@@ -33,7 +33,8 @@ fn band_velocity(air: &Cloud, scale: f64, filter: Filter) -> Vec<DVec3> {
     rows.iter().map(|u| DVec3::from_array(u.map(f64::from))).collect()
 }
 
-/// Velocity û of sampled particles by the Mexican hat over all particles and images: (3 − q²) exp(−q²/2) falls into sums along axes.
+/// Velocity û of sampled particles by the Mexican hat over all particles and images: (3 − q²) exp(−q²/2) falls into
+/// sums along axes.
 fn whole_sum(air: &Cloud, scale: f64) -> Vec<DVec3> {
     let factor = VOLUME * E / (2.0 * TAU.powf(1.5) * scale.powi(3));
     let axis = |gap: f64, side: f64| {

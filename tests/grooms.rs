@@ -58,8 +58,8 @@ fn flat_fibres_sag_by_their_stiffness_about_either_axis() {
     assert!((sag[1] / sag[0] * aspect * aspect - 1.0).abs() < 0.005, "{sag:?}");
 }
 
-/// Clamped and pinned ends stay; a strand pinned at one end hangs from it; one clamped at its tip sags as one clamped at its
-/// root; one that nothing holds falls, and keeps its shape.
+/// Clamped and pinned ends stay; a strand pinned at one end hangs from it; one clamped at its tip sags as one clamped
+/// at its root; one that nothing holds falls, and keeps its shape.
 #[test]
 fn ends_are_held_as_they_say() {
     let length = 0.02;
@@ -82,8 +82,8 @@ fn ends_are_held_as_they_say() {
     }
     let sag = |s: usize, k: usize| (start(s, k) - strand(s)[k]).y;
     println!("clamped {:.3e}, at the tip {:.3e}", sag(0, 16), sag(1, 0));
-    // Measured 6e-4 to 1.1e-3 of 0.16 mm, by the order in which the solver adds: each joint turns by 5e-4 rad, of which f32 frames round
-    // 1e-4 off. The margin is 3.
+    // Measured 6e-4 to 1.1e-3 of 0.16 mm, by the order in which the solver adds: each joint turns by 5e-4 rad, of which
+    // f32 frames round 1e-4 off. The margin is 3.
     assert!((sag(1, 0) / sag(0, 16) - 1.0).abs() < 3e-3);
     for (s, held, hanging) in [(2, 0, 16), (3, 16, 0)] {
         let below = start(s, held) - DVec3::Y * length;
@@ -100,7 +100,8 @@ fn ends_are_held_as_they_say() {
     assert!((4.0..5.0).contains(&(sag(4, 8) / sag(5, 8))));
 }
 
-/// Strands of few points, whose segments are long, hang as they are given for 10 s, awake or not, at any stiffness at which they can.
+/// Strands of few points, whose segments are long, hang as they are given for 10 s, awake or not, at any stiffness at
+/// which they can.
 #[test]
 fn strands_of_few_points_hang_still() {
     let length = 0.1;

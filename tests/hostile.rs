@@ -1,7 +1,8 @@
 //! Hostile files: whatever the bytes, each reader of files returns within a second and a gigabyte, and never panics.
 //!
-//! The functions that read are those of `fuzz/`, and so are the corpora. Here a corpus is replayed and mutated on stable: pieces are
-//! changed, cut, doubled and swapped with those of other files, from a seed. `WINDSWEPT_FUZZ_SECONDS` says for how long.
+//! The functions that read are those of `fuzz/`, and so are the corpora. Here a corpus is replayed and mutated on
+//! stable: pieces are changed, cut, doubled and swapped with those of other files, from a seed.
+//! `WINDSWEPT_FUZZ_SECONDS` says for how long.
 #![allow(clippy::unwrap_used, clippy::expect_used, missing_docs)]
 
 #[path = "../fuzz/src/lib.rs"]
@@ -85,8 +86,9 @@ fn corpus(name: &str) -> Vec<PathBuf> {
     files
 }
 
-/// Reads bytes; what the reader did that it must not do. One that takes long is tried again, later each time: others may have had the
-/// processor. One that does not return, as a C library may not, cannot be stopped: it ends the program, and the bytes are kept.
+/// Reads bytes; what the reader did that it must not do. One that takes long is tried again, later each time: others
+/// may have had the processor. One that does not return, as a C library may not, cannot be stopped: it ends the
+/// program, and the bytes are kept.
 fn fault(target: &targets::Target, bytes: &[u8]) -> Option<String> {
     let mut least = Duration::MAX;
     for pause in 0..8 {
@@ -324,8 +326,8 @@ fn overflowing_sizes_are_errors() {
     }
 }
 
-/// Paths that lead nowhere, to themselves, or out of the scene's folder: an error, or the file that they name; nothing is written
-/// anywhere but where `--out` says.
+/// Paths that lead nowhere, to themselves, or out of the scene's folder: an error, or the file that they name; nothing
+/// is written anywhere but where `--out` says.
 #[test]
 fn odd_paths_are_errors() {
     let folder = tempfile::tempdir().unwrap();

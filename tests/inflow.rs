@@ -74,8 +74,8 @@ fn wind_enters_through_the_face_it_blows_through() {
     assert!((mean - 0.2 * DVec3::X).length() < 1e-6, "{mean}");
 }
 
-/// A gust is given to all air alike, and one that turns the wind round moves the fringe to the other side; `set_wind` does the
-/// same, also where the scene has no wind at all, and takes a wind away again.
+/// A gust is given to all air alike, and one that turns the wind round moves the fringe to the other side; `set_wind`
+/// does the same, also where the scene has no wind at all, and takes a wind away again.
 #[test]
 fn a_wind_that_turns_round_enters_from_the_other_side() {
     let (wind, after) = (DVec3::X * 2.0, DVec3::X * -2.0);

@@ -1,7 +1,7 @@
 //! The memory of a process does not grow with the steps that it runs.
 //!
-//! Mesa's software driver compiles a shader anew at every dispatch, and keeps what it compiled, where a branch that depends on
-//! uniforms alone leaves out half of the shader.
+//! Mesa's software driver compiles a shader anew at every dispatch, and keeps what it compiled, where a branch that
+//! depends on uniforms alone leaves out half of the shader.
 #![allow(clippy::unwrap_used)]
 
 mod support;
@@ -65,8 +65,8 @@ fn memory_is_flat() {
     }
 }
 
-/// What two steps leave behind in this process [MB]: the ninth of twelve such growths, from the largest. Memory may be had for
-/// longer lists or by another thread, but not in every step.
+/// What two steps leave behind in this process [MB]: the ninth of twelve such growths, from the largest. Memory may be
+/// had for longer lists or by another thread, but not in every step.
 fn grown(sets: &[String]) -> f64 {
     let gpu = support::gpu();
     let text = include_str!("../examples/scenes/quick.toml");

@@ -98,8 +98,8 @@ fn error(got: &[DVec3], wanted: &[DVec3], floor: f64) -> f64 {
     got.iter().zip(wanted).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max) / scale
 }
 
-/// Operations give the reference's numbers on every size and layout, in a periodic box and 120 m from the origin in free
-/// space.
+/// Operations give the reference's numbers on every size and layout, in a periodic box and 120 m from the origin in
+/// free space.
 #[test]
 fn operations_are_those_of_the_reference() {
     let gpu = support::gpu();

@@ -1,5 +1,5 @@
-//! Hair and air in one fluid, as no row of `windswept validate` (tests/formulas.rs) measures it: momentum of a density correction, and
-//! strands of many points.
+//! Hair and air in one fluid, as no row of `windswept validate` (tests/formulas.rs) measures it: momentum of a density
+//! correction, and strands of many points.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod support;
@@ -41,7 +41,8 @@ fn density_correction_keeps_momentum() {
     assert!(sum.length() < 1e-6 * whole, "{}", sum.length() / whole);
 }
 
-/// Points of hair that are many to a parcel of air each take a part of the divergence that all of them see: a brush with points
+/// Points of hair that are many to a parcel of air each take a part of the divergence that all of them see: a brush
+/// with points
 /// 0.5 mm apart, in one fluid with still air, hangs there and does not stir it. When each took all of it, the run ended after seven
 /// steps.
 #[test]

@@ -52,8 +52,8 @@ const CASES: [Case; 11] = [
     ("as printed", &["method=published"], None),
 ];
 
-/// A scene's step has the passes of its snapshot, tests/snapshots, and no others. `INSTA_UPDATE=always cargo test --test plan` writes the
-/// snapshots anew.
+/// A scene's step has the passes of its snapshot, tests/snapshots, and no others. `INSTA_UPDATE=always cargo test
+/// --test plan` writes the snapshots anew.
 #[test]
 fn a_scene_runs_what_it_needs() {
     for (name, sets, without) in CASES {
@@ -61,8 +61,8 @@ fn a_scene_runs_what_it_needs() {
     }
 }
 
-/// A force that is set takes three passes more, and lets the wind's passes run, by which it reaches air; once it is taken away they are
-/// left out again.
+/// A force that is set takes three passes more, and lets the wind's passes run, by which it reaches air; once it is
+/// taken away they are left out again.
 #[test]
 fn a_force_runs_while_it_is_set() {
     for (sets, added) in [
@@ -94,7 +94,8 @@ fn a_force_runs_while_it_is_set() {
     }
 }
 
-/// How the flow deforms air is found where no wind blows, by the scene or since the caller said so, and where eddies ask for it.
+/// How the flow deforms air is found where no wind blows, by the scene or since the caller said so, and where eddies
+/// ask for it.
 #[test]
 fn what_no_wind_blows_about_is_spread_by_its_deformation() {
     const STILL: &str = "air.wind=[0,0,0]";
@@ -150,7 +151,8 @@ const SMALL: &[&str] = &[
     "air.fringe=0.03",
 ];
 
-/// Steps of a scene as it is planned, and with passes that its plan leaves out: positions and velocities are the same, bit by bit.
+/// Steps of a scene as it is planned, and with passes that its plan leaves out: positions and velocities are the same,
+/// bit by bit.
 fn same_bits(sets: &[&str], force: impl FnOnce(&mut Plan)) {
     let scene = scene(&[SMALL, sets].concat(), None);
     let initial = InitialState::new(&scene).unwrap();
@@ -212,7 +214,8 @@ fn recordings(setup: &Setup<'_>, state: &State) -> Vec<Recording> {
     step::recordings(state, &Plan::new(setup))
 }
 
-/// No pass is bound to memory that another array has had since the pass's own was written, nor reads what no pass has written.
+/// No pass is bound to memory that another array has had since the pass's own was written, nor reads what no pass has
+/// written.
 #[test]
 fn arrays_in_the_same_memory_are_not_needed_at_a_time() {
     for (name, sets, without) in kinds() {
@@ -240,8 +243,8 @@ fn arrays_in_the_same_memory_are_not_needed_at_a_time() {
     }
 }
 
-/// Steps in shared memory have the bits of steps in memory of their own, whatever lay in what is shared before: every scratch
-/// array that shares its memory is filled with rubbish before each step.
+/// Steps in shared memory have the bits of steps in memory of their own, whatever lay in what is shared before: every
+/// scratch array that shares its memory is filled with rubbish before each step.
 #[test]
 fn sharing_memory_changes_nothing() {
     // Not a number, and the largest index; a large number.
@@ -305,17 +308,19 @@ fn operations_are_those_of_a_count_by_hand() {
         let Operations { invocation, own_batch, other_batch, more } = pass.operations;
         (invocation, own_batch, other_batch, more)
     };
-    // A sum and a difference of four components and three quotients; three quotients and a sum of four; a difference of three and a
-    // product of four.
+    // A sum and a difference of four components and three quotients; three quotients and a sum of four; a difference of
+    // three and a product of four.
     assert_eq!(of(&shaders::turbulence::STRENGTHEN), (11, 0, 0, false));
     assert_eq!(of(&shaders::fluid::VELOCITY), (7, 0, 0, false));
     assert_eq!(of(&shaders::turbulence::WEIGH), (7, 0, 0, false));
-    // What four pairs take: gaps 12, their squares over h^2 24, roots 8, how much of h is left 12, slopes 12, and of h^2 8, kernels 12, do
-    // they coincide 4. Each of eight then adds a product of three, 6. Reading one takes 5, and its image 9.
+    // What four pairs take: gaps 12, their squares over h^2 24, roots 8, how much of h is left 12, slopes 12, and of
+    // h^2 8, kernels 12, do they coincide 4. Each of eight then adds a product of three, 6. Reading one takes 5, and
+    // its image 9.
     let four = 12 + 24 + 8 + 12 + 12 + 8 + 12 + 4;
     let react = of(&shaders::rods::REACT);
     assert_eq!((react.1, react.2, react.3), (0, 2 * four + 8 * 6 + 5 + 9, false));
-    // Of either kind: a weighed sum of two, a product, a sum, and a weighed sum of differences of three. Reading one takes its image.
+    // Of either kind: a weighed sum of two, a product, a sum, and a weighed sum of differences of three. Reading one
+    // takes its image.
     let both = 2 * four + 8 * (2 + 1 + 1 + 9) + 9;
     let sample = of(&shaders::rods::SAMPLE_AIR);
     assert_eq!((sample.1, sample.2, sample.3), (both, both, false));

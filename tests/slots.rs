@@ -55,8 +55,8 @@ fn to_next(positions: &[DVec3]) -> f64 {
     positions.windows(2).map(|pair| gap(pair[0], pair[1])).sum::<f64>() / (positions.len() - 1) as f64 / RADIUS
 }
 
-/// In memory a particle is near the one before it, whatever order the air came in. By their ids particles go as their velocities
-/// say, and every particle has a slot.
+/// In memory a particle is near the one before it, whatever order the air came in. By their ids particles go as their
+/// velocities say, and every particle has a slot.
 #[test]
 fn air_lies_in_memory_as_it_lies_in_the_box() {
     for scene in scenes() {

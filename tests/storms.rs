@@ -65,8 +65,9 @@ impl Storm {
         );
         // Hair that is left unsolved lags behind: one strand step in a hundred may go unmentioned.
         let many = unsolved * 100 > u64::from(12 * STEPS);
-        // Measured 0.86 U for strands of a hair's mass or more. The tip of a rod without weight goes with 3/2 of the air's speed,
-        // by its lever, and dense tufts of such strands make air go past them at up to 1.7 U, those of a thousand fibres at up to 3.6 U.
+        // Measured 0.86 U for strands of a hair's mass or more. The tip of a rod without weight goes with 3/2 of the
+        // air's speed, by its lever, and dense tufts of such strands make air go past them at up to 1.7 U, those of a
+        // thousand fibres at up to 3.6 U.
         let (bound, of) = if self.mass >= 1.0 { (1.3, hair) } else { (1.55, lever) };
         // Points of 1e-4 of a hair's mass are so light that f32 lost one strand in one of the 64 storms with them.
         let resets = report.warnings.get("strand_reset").copied().unwrap_or(0);
@@ -149,7 +150,8 @@ fn hair_streams_in_any_wind() {
     }
 }
 
-/// The pass that resets strands runs from the first step on that begins with a bad one, with the bits of a run in which it always ran.
+/// The pass that resets strands runs from the first step on that begins with a bad one, with the bits of a run in which
+/// it always ran.
 #[test]
 fn strands_are_reset_from_the_first_that_is_bad() {
     let scene = Storm { wind: 10.0, step: 1.38e-3, fibres: 36.0, mass: 1.0 }.scene();

@@ -1,5 +1,5 @@
-//! Whole runs in the model `two-way`: strands in still air sleep until a wind comes, and a root that moves through still air is
-//! a root at rest in wind.
+//! Whole runs in the model `two-way`: strands in still air sleep until a wind comes, and a root that moves through
+//! still air is a root at rest in wind.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod support;

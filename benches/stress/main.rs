@@ -1,8 +1,9 @@
-//! Settings far beyond those of any scene: `cargo xtask stress`, or `cargo bench --bench stress -- [STRESS…] [--out DIR]`.
+//! Settings far beyond those of any scene: `cargo xtask stress`, or `cargo bench --bench stress -- [STRESS…] [--out
+//! DIR]`.
 //!
-//! Writes DIR/stress.md, a row per quantity with its worst setting, and DIR/stress-NAME.svg for each stress that has curves. Where only
-//! some run, the rows of the others stay as they are.
-//! Without `--bench`, as in `cargo test --benches`, it runs the cut that `tests/stress.rs` asserts, and writes nothing.
+//! Writes DIR/stress.md, a row per quantity with its worst setting, and DIR/stress-NAME.svg for each stress that has
+//! curves. Where only some run, the rows of the others stay as they are. Without `--bench`, as in `cargo test
+//! --benches`, it runs the cut that `tests/stress.rs` asserts, and writes nothing.
 
 #[path = "../work_precision/axes.rs"]
 mod axes;
@@ -124,7 +125,8 @@ fn side_by_side(stresses: Vec<&'static Stress>, extent: Extent) -> Result<Vec<St
     Ok(done)
 }
 
-/// The state after the same run with other numbers of the software adapter's threads, which it reads when its process begins.
+/// The state after the same run with other numbers of the software adapter's threads, which it reads when its process
+/// begins.
 fn thread_counts() -> Result<Sweep> {
     let state = |coupling: &str, threads: &str| -> Result<Vec<u8>> {
         let mut own = Command::new(std::env::current_exe()?);

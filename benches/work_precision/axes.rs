@@ -60,7 +60,8 @@ pub(crate) fn power(x: &f64) -> String {
     format!("{x:.0e}")
 }
 
-/// Line colours that colour-blind eyes tell apart (Okabe & Ito 2008), grey for their yellow, brown and violet after them.
+/// Line colours that colour-blind eyes tell apart (Okabe & Ito 2008), grey for their yellow, brown and violet after
+/// them.
 pub(crate) const COLOURS: [RGBColor; 10] = [
     RGBColor(0, 114, 178),
     RGBColor(230, 159, 0),

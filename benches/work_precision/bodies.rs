@@ -45,7 +45,8 @@ impl Setting {
     }
 }
 
-/// rms of θ − 1 within a usual kernel radius of the cylinder, and how far the density behind it, within 12 mm, is off the mean.
+/// rms of θ − 1 within a usual kernel radius of the cylinder, and how far the density behind it, within 12 mm, is off
+/// the mean.
 fn errors(bench: &Bench, setting: Setting) -> Result<[f64; 2]> {
     let (scene, initial) = setting.built()?;
     let volume = initial.air.volume;

@@ -21,7 +21,8 @@ const CUTOFFS: [f64; 5] = [3.0, 3.5, 4.0, 4.5, 5.0];
 const SPACINGS: [f64; 5] = [1.0, 0.8, 0.65, 0.55, 0.45];
 /// Distance along an axis beyond which images add less than 1e-12 of the hat's middle \[s\].
 const REACH: f64 = 8.0;
-/// Passes that the filters' time is of, or how their names start: all up to û. The grid sorts once more than the direct sum.
+/// Passes that the filters' time is of, or how their names start: all up to û. The grid sorts once more than the direct
+/// sum.
 const PASSES: [&str; 5] =
     ["turbulence/weigh", "turbulence/band", "turbulence/deposit", "turbulence/smooth", "turbulence/gather"];
 

@@ -99,7 +99,8 @@ pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
     Ok(Measured { points, notes })
 }
 
-/// Points of both solvers, by iterations and substeps, on flows of which an ideal fluid keeps something; and notes on them.
+/// Points of both solvers, by iterations and substeps, on flows of which an ideal fluid keeps something; and notes on
+/// them.
 fn ideal(bench: &Bench, moving: &Cloud) -> Result<(Vec<Point>, Vec<String>)> {
     let built = |solver: FluidSolver, iterations: u32, substeps: u32| -> Result<Scene> {
         let key = if solver == FluidSolver::Pbf { "iterations" } else { "pressure_iterations" };

@@ -12,8 +12,8 @@ pub(crate) fn floor(points: &[&Point]) -> Option<f64> {
     Some(points.iter().map(|p| p.uncertainty).fold(least, f64::max))
 }
 
-/// The setting that the rule chooses, among points of one error: the cheapest candidate on the floor; where a single setting is
-/// on it, and the truth would tell a better one, there is no floor, and the knee counts.
+/// The setting that the rule chooses, among points of one error: the cheapest candidate on the floor; where a single
+/// setting is on it, and the truth would tell a better one, there is no floor, and the knee counts.
 pub(crate) fn choice<'a>(points: &[&'a Point]) -> Option<&'a Point> {
     let floor = floor(points)?;
     let candidates = || points.iter().copied().filter(|p| p.candidate && p.is_finite());

@@ -1,5 +1,5 @@
-//! A real hair in the wind: model, step, integrator, iterations of the air. Its tip at rest against the elastica, and soon after
-//! the wind has set in against a fine run.
+//! A real hair in the wind: model, step, integrator, iterations of the air. Its tip at rest against the elastica, and
+//! soon after the wind has set in against a fine run.
 
 use glam::DVec3;
 use windswept::Simulation;

@@ -9,8 +9,8 @@ fn main() {
     }
 }
 
-/// The commit that a published crate was packaged from, as Cargo notes it. It is asked before git: a repository around an
-/// unpacked crate is not the crate's own.
+/// The commit that a published crate was packaged from, as Cargo notes it. It is asked before git: a repository around
+/// an unpacked crate is not the crate's own.
 fn packaged() -> Option<String> {
     let note = std::fs::read_to_string(".cargo_vcs_info.json").ok()?;
     Some(note.split_once("\"sha1\": \"")?.1.split_once('"')?.0.to_owned())

@@ -78,7 +78,8 @@ def test_the_spectrum_has_the_energy_of_its_waves():
     k = 2 * np.pi / 0.1 * 2
     v = np.stack([np.zeros(len(x)), 0.3 * np.sin(k * x[:, 0]), np.ones(len(x))], -1)
     waves, energy = plot.energy_spectrum(x, v, box)
-    # ½ ⟨u²⟩ = 0.0225 m²/s² in one shell, less what the mean over a cell takes from this wave; measured 0.4 % more, noise.
+    # ½ ⟨u²⟩ = 0.0225 m²/s² in one shell, less what the mean over a cell takes from this wave; measured 0.4 % more,
+    # noise.
     cell = 0.2 / round(0.2 / (2 * (2e-3 / len(x)) ** (1 / 3)))
     total = energy.sum() * (waves[1] - waves[0])
     assert total == pytest.approx(0.0225 * np.sinc(k * cell / (2 * np.pi)) ** 2, rel=0.015)

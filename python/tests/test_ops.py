@@ -86,7 +86,8 @@ def test_band_velocity(particles):
         r2 = ((difference + image) ** 2).sum(-1) / s**2
         hat = np.where(r2 < cutoff**2, (3 - r2) * np.exp(-r2 / 2), 0.0)
         expected += hat @ v
-    # Unit gain at the band's centre: the hat ψ = (3 - r²/s²) exp(-r²/2s²) has the transform (2π)^1.5 s³ (ks)² exp(-(ks)²/2).
+    # Unit gain at the band's centre: the hat ψ = (3 - r²/s²) exp(-r²/2s²) has the transform (2π)^1.5 s³ (ks)²
+    # exp(-(ks)²/2).
     expected *= MASS / REST / ((2 * np.pi) ** 1.5 * s**3 * 2 / np.e)
     found = ws.ops.band_velocity(x, v, mass=MASS, rest_density=REST, scale=s, filter="direct", cutoff=cutoff, box=BOX)
     assert_near(found, expected, 1e-4)

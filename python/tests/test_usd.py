@@ -310,8 +310,8 @@ def test_followers_go_with_their_strands(scene):
     np.testing.assert_array_equal(followers.positions[:48], hair.positions)
     np.testing.assert_array_equal(followers.velocities[:48], hair.velocities)
     np.testing.assert_allclose(followers.weights.sum(axis=1), 1, rtol=1e-6)
-    # Points of a follower are where its strands' points and its offset from them at the start say, laid anew with the lengths that its
-    # segments have at the start: nothing turns here.
+    # Points of a follower are where its strands' points and its offset from them at the start say, laid anew with the
+    # lengths that its segments have at the start: nothing turns here.
     start = ws.Simulation(sim.scene).followers
     now, then = (np.asarray(x).reshape(-1, 6, 3) for x in (hair.positions, start.positions[:48]))
     moved = np.einsum("hj,hjpx->hpx", followers.weights, (now - then)[followers.guides])

@@ -1,5 +1,5 @@
-//! Links every shader with its imports (wesl), validates it (naga) and writes what Rust needs to know of it: a module tree
-//! that mirrors the folders of WGSL, with each file's constants and shared structs, and a `static` per pass.
+//! Links every shader with its imports (wesl), validates it (naga) and writes what Rust needs to know of it: a module
+//! tree that mirrors the folders of WGSL, with each file's constants and shared structs, and a `static` per pass.
 //!
 //! A mistake in a shader is a build error that names the file.
 
@@ -27,8 +27,8 @@ use software::Reads;
 use source::Source;
 use table::Table;
 
-/// Folders of WGSL: `common` holds what passes import, `pictures` what draws frames, `sort` and `reduce` passes that several stages run, and
-/// each other one the passes of a stage.
+/// Folders of WGSL: `common` holds what passes import, `pictures` what draws frames, `sort` and `reduce` passes that
+/// several stages run, and each other one the passes of a stage.
 const FOLDERS: [&str; 12] = [
     "common",
     "forcing",
@@ -163,10 +163,12 @@ impl wesl::Resolver for Files<'_> {
     }
 }
 
-/// Features of the shaders: `subgroups`, their operations; `software`, lanes of a subgroup that need no barrier (`common/lanes.wgsl`).
+/// Features of the shaders: `subgroups`, their operations; `software`, lanes of a subgroup that need no barrier
+/// (`common/lanes.wgsl`).
 const FEATURES: [&str; 2] = ["subgroups", "software"];
 
-/// The shader with everything that it imports, and nothing else, under the names as they are written; with these features.
+/// The shader with everything that it imports, and nothing else, under the names as they are written; with these
+/// features.
 fn link(root: &Path, name: &str, features: &[&str]) -> Result<String> {
     let files = Files { all: wesl::FileResolver::new(root), name };
     let mut compiler = wesl::Wesl::new(root).set_custom_resolver(files);

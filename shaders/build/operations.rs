@@ -1,9 +1,10 @@
 //! How many operations on floats a pass does, counted in its text.
 //!
-//! An operation is an addition, a multiplication, a division, a comparison, a root or any other function of a number, per component; a
-//! dot product of n components has 2n − 1. Of the two ways of a branch the longer one counts. A loop of a fixed number of turns counts so
-//! often. The loop over a batch of neighbours (`common/clusters.wgsl`) is counted apart, since the host knows how many batches there are.
-//! Of any other loop nobody knows the turns here: it counts once, and the pass says that it does more.
+//! An operation is an addition, a multiplication, a division, a comparison, a root or any other function of a number,
+//! per component; a dot product of n components has 2n − 1. Of the two ways of a branch the longer one counts. A loop
+//! of a fixed number of turns counts so often. The loop over a batch of neighbours (`common/clusters.wgsl`) is counted
+//! apart, since the host knows how many batches there are. Of any other loop nobody knows the turns here: it counts
+//! once, and the pass says that it does more.
 
 use naga::{
     BinaryOperator, Block, Expression, Function, Handle, Literal, LocalVariable, MathFunction, Module, Scalar,

@@ -1,14 +1,15 @@
 //! The same pass for a software adapter: what it only reads lies in uniforms and textures instead of storage buffers.
 //!
-//! Mesa's software driver reads a storage buffer lane by lane. It reads a read-only storage texture eight lanes at once, some ten times
-//! as fast, and a constant place of a uniform once for all. A texture has the words of an array in texels of one, two or four, row by row;
-//! an element of more words takes several texels. Texels and the uniforms' words hold bits, and a load turns them into what the shader
-//! reads, so that all texts of a pass give the same bits.
+//! Mesa's software driver reads a storage buffer lane by lane. It reads a read-only storage texture eight lanes at
+//! once, some ten times as fast, and a constant place of a uniform once for all. A texture has the words of an array in
+//! texels of one, two or four, row by row; an element of more words takes several texels. Texels and the uniforms'
+//! words hold bits, and a load turns them into what the shader reads, so that all texts of a pass give the same bits.
 //!
-//! A constant place of a uniform is read once only if no branch comes before, so that a text first copies what it reads of uniforms.
+//! A constant place of a uniform is read once only if no branch comes before, so that a text first copies what it reads
+//! of uniforms.
 //!
-//! A texture is a copy of the array's buffer, which is worth it for arrays whose elements some pass reads in a loop, and for those that no
-//! pass writes, which are copied once in a step and compile faster as textures.
+//! A texture is a copy of the array's buffer, which is worth it for arrays whose elements some pass reads in a loop,
+//! and for those that no pass writes, which are copied once in a step and compile faster as textures.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -140,8 +141,8 @@ pub(crate) fn text_for_software(
     Ok((with_copies_of_uniforms(&text, &words)?, places))
 }
 
-/// The text with a private copy of each uniform, which the entry point makes before all else; of a uniform of words, a copy of
-/// each word whose place is a number in the text.
+/// The text with a private copy of each uniform, which the entry point makes before all else; of a uniform of words, a
+/// copy of each word whose place is a number in the text.
 ///
 /// The driver reads a constant place of a uniform once for all lanes if no branch comes before, and else lane by lane.
 fn with_copies_of_uniforms(text: &str, words: &BTreeMap<String, BTreeSet<u32>>) -> Result<String> {
@@ -209,8 +210,8 @@ fn load(name: &str, module: &Module, base: Handle<Type>, stride: u32) -> Result<
     Ok(format!("fn load_{name}(e: u32) -> {kind} {{\n{loads}    return {element};\n}}\n"))
 }
 
-/// The text with words of the uniform `name` in place of each `name.member`, atomic or not. Words whose place is a number are
-/// those of the copies, and are added to `read`.
+/// The text with words of the uniform `name` in place of each `name.member`, atomic or not. Words whose place is a
+/// number are those of the copies, and are added to `read`.
 fn with_words(
     text: &str,
     name: &str,

@@ -27,8 +27,8 @@ pub(crate) struct Table {
 }
 
 impl Table {
-    /// Adds a pass of the step: its text in `target`, in `plain` without subgroup operations, in `software` for software
-    /// adapters, with these bindings in other places.
+    /// Adds a pass of the step: its text in `target`, in `plain` without subgroup operations, in `software` for
+    /// software adapters, with these bindings in other places.
     pub(crate) fn pass(
         &mut self,
         source: &Source,

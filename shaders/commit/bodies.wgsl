@@ -1,5 +1,5 @@
-// Commits what the air has given each body, and counts the steps in which air beside bodies does not keep its density, or goes too far:
-// where that lasts the step is too long for the body.
+// Commits what the air has given each body, and counts the steps in which air beside bodies does not keep its density,
+// or goes too far: where that lasts the step is too long for the body.
 import package::common::{params::params, dispatch::{invocation, WORKGROUP}, status::{status, frozen, count, AIR_BESIDE}};
 
 const LARGEST_ERROR: f32 = 0.06;   // rms of theta - 1 within a kernel radius of bodies

@@ -1,6 +1,7 @@
-// Freezes the step when a particle of air or a point of hair is not finite or faster than anything can be, or when too many strands were
-// reset, and counts the hair points outside the box of air. Hair is lost here only where `commit/hold`, which holds such strands, did not run:
-// the step is taken again with it. Also keeps which particle is in each slot of air, since `commit/air` writes that in a new order.
+// Freezes the step when a particle of air or a point of hair is not finite or faster than anything can be, or when too
+// many strands were reset, and counts the hair points outside the box of air. Hair is lost here only where
+// `commit/hold`, which holds such strands, did not run: the step is taken again with it. Also keeps which particle is
+// in each slot of air, since `commit/air` writes that in a new order.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, cells::{is_air, cell_of, in_box},
     validity::can_be,
@@ -26,8 +27,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     // The first particle is_leader for all. Few others have something to say, and only those ask for the status.
     if !(i == 0u || bad || outside) { return; }
     if status.ended != 0u { return; }
-    // Where an earlier pass froze the step, the scratch arrays mean nothing. Where this one found hair that is lost, the step is taken again
-    // whatever else there is to find.
+    // Where an earlier pass froze the step, the scratch arrays mean nothing. Where this one found hair that is lost,
+    // the step is taken again whatever else there is to find.
     if (atomicLoad(&status.causes) & (NEIGHBOUR_OVERFLOW | UNRECOVERED_STRAND)) != 0u { return; }
     if i == 0u && atomicLoad(&status.failed_strands) > params.failed_strand_limit {
         freeze(TOO_MANY_BAD_STRANDS);

@@ -1,8 +1,8 @@
-// The step's orientations become the state's, with the angular velocities that their turns imply, the clamps stand where they went, and strands are
-// as they were found.
+// The step's orientations become the state's, with the angular velocities that their turns imply, the clamps stand
+// where they went, and strands are as they were found.
 //
-// The turn between two frames is off by their rounding, which as a spin would kick the strand in every step: the direct solver keeps the
-// turn itself.
+// The turn between two frames is off by their rounding, which as a spin would kick the strand in every step: the direct
+// solver keeps the turn itself.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, conjugate, rotation_vector}, integration::{KINEMATIC, rate},
     rod::{RodStrand, RodSegment, SegmentHistory, StrandHistory, Root}, status::frozen,

@@ -1,4 +1,5 @@
-// Commits the step of hair, and what is one for all: positions, velocities, the counters and the step's number. A frozen step leaves all as it was.
+// Commits the step of hair, and what is one for all: positions, velocities, the counters and the step's number. A
+// frozen step leaves all as it was.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, mean::{air_particles, taken_out},
     status::{status, frozen, COUNTERS, HAIR_OUTSIDE, NO_POINT},

@@ -1,12 +1,13 @@
-// Articulated bodies (Featherstone 2008, Rigid Body Dynamics Algorithms, ch. 7): what lies beyond a point acts on it, moved by x and turned by
-// theta, by the force A (x, theta) + b. Seen through a spring of stiffness K that resists by f, it acts by
+// Articulated bodies (Featherstone 2008, Rigid Body Dynamics Algorithms, ch. 7): what lies beyond a point acts on it,
+// moved by x and turned by theta, by the force A (x, theta) + b. Seen through a spring of stiffness K that resists by
+// f, it acts by
 //
 //   A' = K (A + K)^-1 A,   b' = b - A (A + K)^-1 (b + f)      the spring gives by -(A + K)^-1 (b + f + A (x, theta))
 //
 // Nothing is subtracted that is nearly equal: a stiff spring leaves A as it is, a soft one leaves K. So f32 suffices.
 //
-// A force on a tip that is held adds B of it to b. It moves the tip by -Omega, Omega = sum B^T (A + K)^-1 B over all springs on the way; the
-// others move it by -sum B^T (A + K)^-1 (b + f).
+// A force on a tip that is held adds B of it to b. It moves the tip by -Omega, Omega = sum B^T (A + K)^-1 B over all
+// springs on the way; the others move it by -sum B^T (A + K)^-1 (b + f).
 import package::common::{
     quaternion::{product, conjugate, matrix},
     symmetric::{Symmetric, applied, applied_to_columns, dyad, full, inverse_of, minus, plus, symmetric_product},

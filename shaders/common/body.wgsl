@@ -1,8 +1,8 @@
-// Bodies: all points within a radius of a line, the axis, or all points that a mesh encloses. A sphere's axis is a point, and so is a
-// mesh's: the origin of its file. A mesh is a grid of signed distances, trilinear between the nodes.
+// Bodies: all points within a radius of a line, the axis, or all points that a mesh encloses. A sphere's axis is a
+// point, and so is a mesh's: the origin of its file. A mesh is a grid of signed distances, trilinear between the nodes.
 //
-// All that depends on a body's shape stands here: its parts, its place after a step (`place`), the signed distance of a point and its
-// gradient (`surface`, `near`).
+// All that depends on a body's shape stands here: its parts, its place after a step (`place`), the signed distance of a
+// point and its gradient (`surface`, `near`).
 import package::common::{quaternion::{conjugate, product, rotate}, motion::Pose};
 
 struct Body {
@@ -24,8 +24,8 @@ struct Grid {
     first: u32,            // index of the first node's distance
 }
 
-// Signed distances at the nodes of all grids [m], x running fastest, then y. The binding's number is above those that a pass has of
-// its own.
+// Signed distances at the nodes of all grids [m], x running fastest, then y. The binding's number is above those that a
+// pass has of its own.
 @group(0) @binding(9) var<storage, read> distances: array<f32>;
 
 // Whether the scene has bodies, and whether one is a mesh: switches (`shaders/src/lib.rs`).
@@ -68,8 +68,8 @@ fn surface(body: Placed, x: vec3f) -> Surface {
     return near(body, x - body.center, vec3f(0.0));
 }
 
-// The surface seen from a place a way off another, which is given from the body's center [m]. A short way counts to its own rounding, not to
-// that of the place: hair at rest does not tremble.
+// The surface seen from a place a way off another, which is given from the body's center [m]. A short way counts to its
+// own rounding, not to that of the place: hair at rest does not tremble.
 fn near(body: Placed, base: vec3f, way: vec3f) -> Surface {
     if is_mesh(body) {
         let back = conjugate(body.rotation);
@@ -106,8 +106,8 @@ fn in_mesh(body: Placed, x: vec3f) -> vec3f {
     return rotate(conjugate(body.rotation), x - body.center);
 }
 
-// Distance from the surface of a grid, and the way in which it grows, a way off a place. Beyond the grid it is the least that the distance at
-// its side allows.
+// Distance from the surface of a grid, and the way in which it grows, a way off a place. Beyond the grid it is the
+// least that the distance at its side allows.
 fn surface_of_grid(grid: Grid, x: vec3f, way: vec3f) -> Surface {
     let last = vec3f(grid.counts - 1u);
     let place = (x - grid.origin) / grid.spacing;

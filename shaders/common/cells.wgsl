@@ -1,7 +1,8 @@
 // Where a position belongs.
 //
-// The box of air is cut into cells, numbered x first. Air is sorted into them, and hair into as many cells of its own behind them. The
-// box repeats: hair outside it is in the cell that it would be in by whole boxes, and whoever looks there compares distances.
+// The box of air is cut into cells, numbered x first. Air is sorted into them, and hair into as many cells of its own
+// behind them. The box repeats: hair outside it is in the cell that it would be in by whole boxes, and whoever looks
+// there compares distances.
 import package::common::params::params;
 
 fn is_air(i: u32) -> bool {
@@ -50,6 +51,7 @@ fn buckets() -> u32 {
 
 fn wrap(position: vec3f) -> vec3f {
     let inside = position - params.box_size * floor(position / params.box_size);
-    // A quotient that is rounded up to a whole number leaves less than 0; what is rounded up to the box is its lower face.
+    // A quotient that is rounded up to a whole number leaves less than 0; what is rounded up to the box is its lower
+    // face.
     return select(inside, vec3f(0.0), (inside >= params.box_size) | (inside < vec3f(0.0)));
 }

@@ -1,5 +1,5 @@
-// Moves air out of bodies, to its clearance. Where two surfaces are near to one another, the clearance from one may lead into the other: in the
-// last rounds air is moved no farther than out.
+// Moves air out of bodies, to its clearance. Where two surfaces are near to one another, the clearance from one may
+// lead into the other: in the last rounds air is moved no farther than out.
 import package::common::{params::params, cells::wrap, nearest::{Nearest, nearest}, wall::{Wall, gradient_beyond, path_beside}};
 
 const CLEARANCE: f32 = 0.4;   // least distance of air from a surface [d]

@@ -1,9 +1,10 @@
 // The loop over neighbours, which all passes share.
 //
-// A cluster is up to eight particles of one kind that are next to one another in the order of cells. One list says who is nearer
-// than the kernel radius to any of them. Its eight invocations, one per particle, read a batch of eight entries at once, one
-// each; then each of them meets all eight. A pass says what it needs of a neighbour, in `load_neighbour`, and what a pair adds to its sums, in `accumulate`.
-// A pair that was not nearer than the kernel radius when the list was made does not meet, wherever it is by now.
+// A cluster is up to eight particles of one kind that are next to one another in the order of cells. One list says who
+// is nearer than the kernel radius to any of them. Its eight invocations, one per particle, read a batch of eight
+// entries at once, one each; then each of them meets all eight. A pass says what it needs of a neighbour, in
+// `load_neighbour`, and what a pair adds to its sums, in `accumulate`. A pair that was not nearer than the kernel
+// radius when the list was made does not meet, wherever it is by now.
 import package::common::{params::{params, TWO_WAY}, cells::is_air, dispatch::{invocation, WORKGROUP}};
 import package::common::lanes::{Near, LANES, lane_of, publish, from_lane, largest_of_all};
 import package::common::list::{BATCHES, NOBODY, INDEX, NONE, IMAGE_BITS, FRAME_BITS, FAR, elements_of, heads};
@@ -26,8 +27,9 @@ var<private> meets: u32;    // bit by bit, which entries of the batch that is sh
 var<private> nobody: bool;  // the invocation reads for the others, and has no particle, or another one has it
 var<private> member: u32;   // a particle of the cluster, which is read where an entry is none: what it has is of the cluster's kind
 
-// Clusters of hair are few and have long lists, through which a GPU waits for memory: there four times eight invocations share a
-// cluster in a pass that asks for it (`of_shared`), and each eight meet every fourth group of its list.
+// Clusters of hair are few and have long lists, through which a GPU waits for memory: there four times eight
+// invocations share a cluster in a pass that asks for it (`of_shared`), and each eight meet every fourth group of its
+// list.
 @if(subgroups && !software) const SHARE: u32 = 4u;
 
 // Of a list's groups an invocation meets this one, and then each that comes so many later.
@@ -38,8 +40,9 @@ var<private> member: u32;   // a particle of the cluster, which is read where an
 
 @if(subgroups && !software) var<workgroup> all_sums: array<vec4f, WORKGROUP>;
 
-// The particle of an invocation that has this place in its page. The functions that meet go through its cluster from now on.
-// Where `has_none` says that the invocation has none, it is another one of the cluster, or another invocation has it.
+// The particle of an invocation that has this place in its page. The functions that meet go through its cluster from
+// now on. Where `has_none` says that the invocation has none, it is another one of the cluster, or another invocation
+// has it.
 fn take_particle(place_in_page: u32, local: u32) -> u32 {
     place = local;
     box = params.box_size;
@@ -62,8 +65,8 @@ fn has_no_hair(particle: u32) -> bool {
     return nobody || is_air(particle);
 }
 
-// The place of an invocation in its page of the list, in a pass over all clusters of the page or over those of air. Clusters of hair come
-// first.
+// The place of an invocation in its page of the list, in a pass over all clusters of the page or over those of air.
+// Clusters of hair come first.
 fn of_all(id: vec3u, groups: vec3u) -> u32 {
     return invocation(id, groups);
 }

@@ -1,12 +1,13 @@
-// Contact of strands with bodies, solved with the rods. A place of a strand is one of its points, or the place of a segment that is nearest to
-// a body. It has a contact with each body, a one-sided spring with Coulomb friction:
+// Contact of strands with bodies, solved with the rods. A place of a strand is one of its points, or the place of a
+// segment that is nearest to a body. It has a contact with each body, a one-sided spring with Coulomb friction:
 //
 //   normal     f = lambda - k (phi + D), where that is above 0     phi: distance from the surface after the step, k = max(100, h^2 OMEGA^2)/W
 //   friction   F = F_old - k slip, no longer than mu f_lag     slip: the way along the surface in the step, F_old: F of the step before
 //
-// W is the move of the place by a unit of force, as of a point. D is the depth that the place may keep in this step: what starts inside
-// comes out at RECOVERY. The multiplier lambda is f of the step before, or of the last Newton step that settled with more than ALLOW left open:
-// at rest the spring carries nothing, and the gap is 0 (augmented Lagrangian; Hestenes 1969).
+// W is the move of the place by a unit of force, as of a point. D is the depth that the place may keep in this step:
+// what starts inside comes out at RECOVERY. The multiplier lambda is f of the step before, or of the last Newton step
+// that settled with more than ALLOW left open: at rest the spring carries nothing, and the gap is 0 (augmented
+// Lagrangian; Hestenes 1969).
 import package::common::{
     params::params, quaternion::turned_by, rod::RodPoint, body::{Placed, Surface, near},
     symmetric::{Symmetric, dyad, minus, plus}, articulated::Spring,
@@ -67,7 +68,8 @@ struct Place {
     effective_inverse_mass: f32,
 }
 
-// A way seen from a body that moves: from where the body would have carried the place to, from the body's center; both after the step [m].
+// A way seen from a body that moves: from where the body would have carried the place to, from the body's center; both
+// after the step [m].
 struct RelativeMove {
     base: vec3f,
     way: vec3f,
@@ -105,8 +107,9 @@ struct Nearest {
     surface: Surface,  // seen from there
 }
 
-// The place of a segment that is nearest to a body with these normals at its ends: as the step starts by regula falsi on the slope of the
-// distance along it, from the place that it had; later anew, where the slopes at the ends say that it moved.
+// The place of a segment that is nearest to a body with these normals at its ends: as the step starts by regula falsi
+// on the slope of the distance along it, from the place that it had; later anew, where the slopes at the ends say that
+// it moved.
 fn nearest(last: Contact, body: Placed, a: Place, b: Place, first: vec3f, second: vec3f, starts: bool) -> Nearest {
     let chord = (b.start - a.start) + (b.remainder - a.remainder) + (b.displacement - a.displacement);
     let l = length(chord);
@@ -142,8 +145,8 @@ fn renewed(last: Contact) -> Contact {
     return contact;
 }
 
-// Whether a place at this distance takes more than a step to come out. The body is a plane without friction to it: farther in, the nearest surface
-// may be another one at each place.
+// Whether a place at this distance takes more than a step to come out. The body is a plane without friction to it:
+// farther in, the nearest surface may be another one at each place.
 fn is_deep(distance: f32) -> bool {
     return distance < -RECOVERY * params.step;
 }
@@ -166,8 +169,8 @@ fn parted(before: Contact, distance: f32, starts: bool) -> Met {
     return Met(contact, !starts && (before.state & LIVE) != 0u, false);
 }
 
-// A contact of a place that answers to a force by `effective_inverse_mass` [m/N], with the body's friction, its way seen from the body and the surface there; `l` is
-// the segment's length.
+// A contact of a place that answers to a force by `effective_inverse_mass` [m/N], with the body's friction, its way
+// seen from the body and the surface there; `l` is the segment's length.
 fn update_contact(before: Contact, mu: f32, effective_inverse_mass: f32, way: vec3f, surface: Surface, starts: bool, l: f32) -> Met {
     let plane = (before.state & PLANE) != 0u;
     let normal = select(surface.normal, before.normal, plane);

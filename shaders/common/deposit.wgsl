@@ -2,9 +2,10 @@
 //
 //   D_n = sum_j f_j B(x_j/h_g - n),  B the product of a window along each axis
 //
-// A gather in a fixed order: a block of nodes is made from the rows of cells that reach it, by one lane or by some that share it.
-// Particles may be sorted into any cells that fill the box; a grid finer than those would read many particles in vain. A pass reads a
-// particle in `bring`, which returns its place in spacings, and adds what it has read to its sums in `add`.
+// A gather in a fixed order: a block of nodes is made from the rows of cells that reach it, by one lane or by some that
+// share it. Particles may be sorted into any cells that fill the box; a grid finer than those would read many particles
+// in vain. A pass reads a particle in `bring`, which returns its place in spacings, and adds what it has read to its
+// sums in `add`.
 import package::common::mesh::{Mesh, Window, weights, window_of, node_index};
 import package::pass::{bring, add};
 
@@ -31,8 +32,8 @@ fn end_cell(block: vec3i, cells: vec3i, window: Window) -> vec3i {
     return vec3i(ceil((vec3f(block + BLOCK - 1) + window.half) * (vec3f(cells) / vec3f(mesh.nodes))));
 }
 
-// What one of the lanes that share a block takes of it: of the runs of cells every `runs_apart`th from its own on, and of their particles
-// every `particles_apart`th.
+// What one of the lanes that share a block takes of it: of the runs of cells every `runs_apart`th from its own on, and
+// of their particles every `particles_apart`th.
 struct Part {
     run: u32,
     runs_apart: u32,
@@ -40,15 +41,15 @@ struct Part {
     particles_apart: u32,
 }
 
-// The quotient of two whole numbers, rounded down, from the inverse of the second. Half a unit more keeps the rounding of the inverse away
-// from whole quotients, for numbers up to a million.
+// The quotient of two whole numbers, rounded down, from the inverse of the second. Half a unit more keeps the rounding
+// of the inverse away from whole quotients, for numbers up to a million.
 @if(subgroups && !software)
 fn quotient(number: i32, inverse: f32) -> i32 {
     return i32(floor((f32(number) + 0.5) * inverse));
 }
 
-// Adds a lane's part of what reaches a block. There are `cells` in the box along each axis. A row of cells is read in runs that end where
-// the box repeats; on a GPU a lane finds its own by their numbers.
+// Adds a lane's part of what reaches a block. There are `cells` in the box along each axis. A row of cells is read in
+// runs that end where the box repeats; on a GPU a lane finds its own by their numbers.
 @if(subgroups && !software)
 fn deposit(block: vec3i, cells: vec3i, part: Part) {
     let nodes = mesh.nodes;
@@ -63,7 +64,8 @@ fn deposit(block: vec3i, cells: vec3i, part: Part) {
     let per_row = 1.0 / f32(runs);
     let per_layer = 1.0 / f32(rows.x);
     var run = i32(part.run);
-    // One loop over the particles of all runs: a run may have few, and with a loop each all lanes would wait for the fullest of theirs.
+    // One loop over the particles of all runs: a run may have few, and with a loop each all lanes would wait for the
+    // fullest of theirs.
     var seen = vec3f(0.0);   // the block's first node, from the image of the box that the run is in
     var e = 0u;
     var end = 0u;
@@ -91,7 +93,8 @@ fn deposit(block: vec3i, cells: vec3i, part: Part) {
     }
 }
 
-// The same for a lane that takes all runs (`run` is 0 and `runs_apart` 1), which is cheaper for it: from each run it goes on to the next.
+// The same for a lane that takes all runs (`run` is 0 and `runs_apart` 1), which is cheaper for it: from each run it
+// goes on to the next.
 @if(!subgroups || software)
 fn deposit(block: vec3i, cells: vec3i, part: Part) {
     let nodes = mesh.nodes;
@@ -99,14 +102,16 @@ fn deposit(block: vec3i, cells: vec3i, part: Part) {
     let first = first_cell(block, cells, window);
     let last = end_cell(block, cells, window);
 
-    // The next cell to read, in the box and counted from the first, and the block's first node as seen from its image of the box.
+    // The next cell to read, in the box and counted from the first, and the block's first node as seen from its image
+    // of the box.
     let image = vec3i(floor(vec3f(first) / vec3f(cells)));
     let home = first - image * cells;
     let start = block - image * nodes;
     var cell = home;
     var corner = start;
     var place = first;
-    // One loop over the particles of all rows: a row may have few, and with a loop each all lanes would wait for the fullest of theirs.
+    // One loop over the particles of all rows: a row may have few, and with a loop each all lanes would wait for the
+    // fullest of theirs.
     var seen = vec3f(0.0);
     var e = 0u;
     var end = 0u;

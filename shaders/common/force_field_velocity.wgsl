@@ -1,5 +1,5 @@
-// The wind of all force fields at a place, and how fast it draws air. With S the strength, w the weight, q the distance from a
-// vortex's axis or from a point:
+// The wind of all force fields at a place, and how fast it draws air. With S the strength, w the weight, q the distance
+// from a vortex's axis or from a point:
 //
 //   jet      u = w S axis                              w = f(max(z/reach, -z/radius)) f(r/radius), z along the axis, r off it
 //   vortex   u = w S axis x e R(q), R = min(q/radius, radius/q)          w = f(q/reach), e from the axis: Rankine's vortex

@@ -3,12 +3,12 @@
 //   move without the rod's forces = carry d + h (v + h a)/(1 + c h)      v = (4 v_n - v_(n-1))/3, h = 2/3 dt, carry = 1/3
 //   v_(n+1) = (move - carry d)/h                                    Euler: v = v_n,               h = dt,     carry = 0
 //
-// A force f moves a point by w f h^2/(1 + c h), w its inverse mass: `response`. c is the scene's damping, and for a point what
-// resists its velocity as well.
+// A force f moves a point by w f h^2/(1 + c h), w its inverse mass: `response`. c is the scene's damping, and for a
+// point what resists its velocity as well.
 import package::common::params::params;
 
-// How a point or a segment goes through a step: by implicit Euler, by BDF2, put somewhere with no velocity, or asleep where
-// it is.
+// How a point or a segment goes through a step: by implicit Euler, by BDF2, put somewhere with no velocity, or asleep
+// where it is.
 const EULER: u32 = 0u;
 const BDF2: u32 = 1u;
 const KINEMATIC: u32 = 2u;
@@ -41,9 +41,9 @@ fn rate(shift: vec3f, previous_move: vec3f, scheme: u32) -> vec3f {
     return select(over(shift - carry(scheme) * previous_move, step_of(scheme)), vec3f(0.0), scheme >= KINEMATIC);
 }
 
-// A GPU's quotient may be off by two units in the last place, by the same share for all that is divided by one number: in thousands of
-// steps strands would gain or lose momentum. What the quotient leaves is divided again. Mesa's software driver divides exactly, and its fma
-// rounds twice.
+// A GPU's quotient may be off by two units in the last place, by the same share for all that is divided by one number:
+// in thousands of steps strands would gain or lose momentum. What the quotient leaves is divided again. Mesa's software
+// driver divides exactly, and its fma rounds twice.
 @if(!software)
 fn over(way: vec3f, h: f32) -> vec3f {
     let quotient = way / h;

@@ -1,9 +1,10 @@
-// Eight invocations side by side show one another what each of them has read: by subgroup operations, or through the workgroup's
-// memory on a device whose subgroups may have fewer than eight lanes, or that has none. Invocations are taken to be numbered in
-// a subgroup as they are in the workgroup, which drivers do where workgroups have one dimension.
+// Eight invocations side by side show one another what each of them has read: by subgroup operations, or through the
+// workgroup's memory on a device whose subgroups may have fewer than eight lanes, or that has none. Invocations are
+// taken to be numbered in a subgroup as they are in the workgroup, which drivers do where workgroups have one
+// dimension.
 //
-// Software adapters (`software`) run the lanes of a subgroup instruction by instruction: what one has written the others read without a
-// barrier. A single barrier there makes all variables of a pass live in memory.
+// Software adapters (`software`) run the lanes of a subgroup instruction by instruction: what one has written the
+// others read without a barrier. A single barrier there makes all variables of a pass live in memory.
 import package::common::dispatch::WORKGROUP;
 
 const LANES: u32 = 8u;             // invocations that work together, and particles of a cluster
@@ -66,7 +67,8 @@ var<private> first_of_eight: u32;   // its number in the subgroup, or in the wor
 @if(subgroups) var<private> keeps: array<vec2u, KEPT>;
 @if(!subgroups) var<workgroup> all_keeps: array<array<vec2u, KEPT>, WORKGROUP>;
 
-// Keeps a value, by a number that is a constant. All eight keep theirs before any asks for one, and `lane_barrier` in between.
+// Keeps a value, by a number that is a constant. All eight keep theirs before any asks for one, and `lane_barrier` in
+// between.
 @if(subgroups)
 fn keep(local: u32, number: u32, value: vec2u) {
     keeps[number] = value;
@@ -86,8 +88,8 @@ fn kept(number: u32, lane: u32) -> vec2u {
     return all_keeps[first_of_eight + lane][number];
 }
 
-// What any of the eight has written to the workgroup's memory is there for the other seven afterwards. Every invocation of the workgroup
-// calls it, from the same place.
+// What any of the eight has written to the workgroup's memory is there for the other seven afterwards. Every invocation
+// of the workgroup calls it, from the same place.
 @if(software)
 fn lane_barrier() {}
 @if(!software)
@@ -119,8 +121,8 @@ fn votes(local: u32, yes: bool) -> u32 {
     return joined(local, u32(yes) << lane_of(local));
 }
 
-// Turns a square of bits: bit k of the byte that an invocation gets is the bit with its own number of what another of the eight has, of
-// the one whose place differs in the bits of k.
+// Turns a square of bits: bit k of the byte that an invocation gets is the bit with its own number of what another of
+// the eight has, of the one whose place differs in the bits of k.
 @if(subgroups)
 fn turned(local: u32, bits: u32) -> u32 {
     let lane = lane_of(local);

@@ -1,19 +1,22 @@
 // How the neighbour list is laid out, in elements of four words.
 //
-// It has pages, as many as it takes for a pass to bind one at a time: most GPUs bind 2 GiB and more, WebGPU by default 128 MiB.
-// Workgroups of clusters take turns among the pages, so that all are about as full. Passes over clusters run once for each page.
+// It has pages, as many as it takes for a pass to bind one at a time: most GPUs bind 2 GiB and more, WebGPU by default
+// 128 MiB. Workgroups of clusters take turns among the pages, so that all are about as full. Passes over clusters run
+// once for each page.
 //
-// A page begins with the heads of its clusters, eight elements for each, one for each invocation: its particle, where the cluster's
-// groups begin, and how many batches the cluster has of its own kind and of the other kind. An invocation without a particle has the
-// cluster's first one, marked with NONE. With the number of the own kind's batches come three bits, the cluster's frame: along which axes
-// it is moved by a box towards 0 to meet the others. A cluster at the upper faces is, so that who comes through them stands where it is: to
-// add a box to a position would round it, to take one away does not, and the impulses of a pair are opposite to the last bit.
+// A page begins with the heads of its clusters, eight elements for each, one for each invocation: its particle, where
+// the cluster's groups begin, and how many batches the cluster has of its own kind and of the other kind. An invocation
+// without a particle has the cluster's first one, marked with NONE. With the number of the own kind's batches come
+// three bits, the cluster's frame: along which axes it is moved by a box towards 0 to meet the others. A cluster at the
+// upper faces is, so that who comes through them stands where it is: to add a box to a position would round it, to take
+// one away does not, and the impulses of a pair are opposite to the last bit.
 //
-// The groups of a cluster are two parts: those of the cluster's kind, or of both kinds unless the model is TWO_WAY, then those of the other
-// kind. A part is batches of eight entries, one for each invocation of the cluster to read. Three batches make a group, which is eight
-// elements, one for each invocation; the last group of a part may be full in part. An element is what its invocation reads in the three
-// batches, and a word that says whom its particle meets, a byte per batch. Bit k stands for the entry whose place differs from the
-// particle's in the bits of k, which is the one that `lanes::from_lane(k)` shows. What is left over in a part's last batch is NOBODY.
+// The groups of a cluster are two parts: those of the cluster's kind, or of both kinds unless the model is TWO_WAY,
+// then those of the other kind. A part is batches of eight entries, one for each invocation of the cluster to read.
+// Three batches make a group, which is eight elements, one for each invocation; the last group of a part may be full in
+// part. An element is what its invocation reads in the three batches, and a word that says whom its particle meets, a
+// byte per batch. Bit k stands for the entry whose place differs from the particle's in the bits of k, which is the one
+// that `lanes::from_lane(k)` shows. What is left over in a part's last batch is NOBODY.
 import package::common::{lanes::LANES, params::params};
 
 const PAGES: u32 = 4u;            // at most

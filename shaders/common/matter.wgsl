@@ -15,8 +15,9 @@ fn inverse_mass_of(i: u32) -> f32 {
     return inverse_mass[i];
 }
 
-// XSPH coefficient of a particle whose flow deforms by `deformation` in a step. A pair has the smaller of its two (eq. 8). Eddies that
-// the spacing does not resolve add theirs, nu = (C d)^2 |G| (Smagorinsky 1963), which is c = 22 (C d/h)^2 |G| dt.
+// XSPH coefficient of a particle whose flow deforms by `deformation` in a step. A pair has the smaller of its two (eq.
+// 8). Eddies that the spacing does not resolve add theirs, nu = (C d)^2 |G| (Smagorinsky 1963), which is c = 22 (C
+// d/h)^2 |G| dt.
 fn viscosity_of(i: u32, deformation: f32) -> f32 {
     let eddies = min(MAX_EDDIES, params.viscosity_eddies * deformation);
     return select(params.viscosity_hair, params.viscosity_air, is_air(i)) + eddies;

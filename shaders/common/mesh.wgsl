@@ -1,5 +1,5 @@
-// A grid over the periodic box, with nodes at multiples of the spacing, numbered x first, and the window that carries what
-// particles have to them and back: the band filter's grid, and the coarse one of the pressure.
+// A grid over the periodic box, with nodes at multiples of the spacing, numbered x first, and the window that carries
+// what particles have to them and back: the band filter's grid, and the coarse one of the pressure.
 
 struct Mesh {
     nodes: vec3i,            // number of nodes along each axis
@@ -16,8 +16,9 @@ struct Mesh {
 // B-splines; their supports are 2 and 3 spacings wide.
 const LINEAR: u32 = 1u;
 const QUADRATIC: u32 = 2u;
-// The window of the band filter: the cubic of Mitchell & Netravali (1988) with B = 1.2 and C = -0.11, whose transform falls off faster
-// beyond the waves that nodes know than that of the cubic B-spline, which is B = 1 and C = 0. Its support is 4 spacings wide.
+// The window of the band filter: the cubic of Mitchell & Netravali (1988) with B = 1.2 and C = -0.11, whose transform
+// falls off faster beyond the waves that nodes know than that of the cubic B-spline, which is B = 1 and C = 0. Its
+// support is 4 spacings wide.
 const MITCHELL: u32 = 4u;
 
 // A window of piecewise polynomials.

@@ -1,7 +1,7 @@
 // Rigid motions by keyframes: x(t) = c + R (x - c) + T, c the thing's centre.
 //
-// Time is counted in steps: a whole number of them and a fraction. Their difference to the step's own number is exact, so
-// that an hour into a run the time since a keyframe is as precise as in its first second.
+// Time is counted in steps: a whole number of them and a fraction. Their difference to the step's own number is exact,
+// so that an hour into a run the time since a keyframe is as precise as in its first second.
 import package::common::quaternion::{product, rotation};
 
 struct Keyframe {

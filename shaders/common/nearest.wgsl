@@ -1,7 +1,7 @@
 // The surface that is nearest to a place in the box of air.
 //
-// Air is periodic: where a body crosses a face of the box, its cut is a wall to the air at the opposite face. That air sees the foot of its
-// place on the face: inside the body the wall is as far as the face, and beside it farther.
+// Air is periodic: where a body crosses a face of the box, its cut is a wall to the air at the opposite face. That air
+// sees the foot of its place on the face: inside the body the wall is as far as the face, and beside it farther.
 import package::common::{params::params, body::{Placed, surface, surface_move, carried_on}};
 
 struct Nearest {

@@ -1,5 +1,5 @@
-// A particle and its neighbours: how far they are, and the kernels between them, of four pairs at once. Each step of a root and a division
-// waits for the one before; those of four pairs wait together.
+// A particle and its neighbours: how far they are, and the kernels between them, of four pairs at once. Each step of a
+// root and a division waits for the one before; those of four pairs wait together.
 import package::common::{params::params, lanes::Near, sph_kernels::{poly6_factor, spiky_factor}};
 
 // A neighbour as a pass meets it.

@@ -7,14 +7,16 @@ struct Pressed {
     pressure: f32,   // m^2/s, lambda: pressure over density, times the step
 }
 
-// A symmetric matrix B that corrects the gradients of the kernel at a particle, and how the particle's divergence gives way.
+// A symmetric matrix B that corrects the gradients of the kernel at a particle, and how the particle's divergence gives
+// way.
 struct Gradients {
     diagonal: vec3f,       // of B: xx, yy, zz
     response: f32,         // 1/m^2, a: change of the divergence by a unit of the particle's own pressure
     off_diagonal: vec3f,   // of B: yz, zx, xy
 }
 
-// A symmetric matrix by which a particle pushes its neighbours, lambda B/V [1/(m s)], and the divergence that it answers.
+// A symmetric matrix by which a particle pushes its neighbours, lambda B/V [1/(m s)], and the divergence that it
+// answers.
 struct Stress {
     diagonal: vec3f,
     divergence: f32,       // 1/s, s: the rate at which density rises, over the density

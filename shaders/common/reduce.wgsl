@@ -1,15 +1,15 @@
-// Sums in a fixed order: over the terms of a lane, over a workgroup, and over workgroups, in a second pass (`reduce/total`). Up to eight sums
-// are made at once.
+// Sums in a fixed order: over the terms of a lane, over a workgroup, and over workgroups, in a second pass
+// (`reduce/total`). Up to eight sums are made at once.
 //
-// Each of the workgroup's first eight lanes adds its own sum and those of every eighth lane after it, in this order; then the eight
-// sums are added in pairs. On a software adapter (`software`) the first eight invocations make the terms of all lanes: it runs eight at
-// once in any case, and takes long to compile a pass with a barrier.
+// Each of the workgroup's first eight lanes adds its own sum and those of every eighth lane after it, in this order;
+// then the eight sums are added in pairs. On a software adapter (`software`) the first eight invocations make the terms
+// of all lanes: it runs eight at once in any case, and takes long to compile a pass with a barrier.
 import package::common::{dispatch::WORKGROUP, lanes::LANES};
 
 const TERMS: u32 = 16u;   // terms of a lane, in a sum over particles
 
-// Invocations that make terms. Each makes those of the lane of its own number and, if there are more lanes than invocations, those of every
-// lane that is a multiple of this number farther.
+// Invocations that make terms. Each makes those of the lane of its own number and, if there are more lanes than
+// invocations, those of every lane that is a multiple of this number farther.
 @if(software) const WORKERS: u32 = LANES;
 @if(!software) const WORKERS: u32 = WORKGROUP;
 

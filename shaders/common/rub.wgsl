@@ -9,8 +9,8 @@ struct FrictionPoint {
     friction: f32,       // Coulomb's coefficient
 }
 
-// p_ij = |(L_i V_j + L_j V_i) grad W|/dt, the impulse by which the density constraint squeezes a pair [N s], from each one's
-// multiplier [kg m^2] and volume [m^3], and the distance of the two [m].
+// p_ij = |(L_i V_j + L_j V_i) grad W|/dt, the impulse by which the density constraint squeezes a pair [N s], from each
+// one's multiplier [kg m^2] and volume [m^3], and the distance of the two [m].
 fn pressed(own: f32, volume: f32, other: f32, other_volume: f32, r: f32) -> f32 {
     return abs(own * other_volume + other * volume) * spiky_slope(r) / params.step;
 }

@@ -1,10 +1,12 @@
 // Who works for a strand, a row of cells, or a block of nodes.
 //
-// One invocation that walks along a strand waits for memory at each point, and a GPU has thousands more than there are strands: eight side
-// by side share the work, each with a stretch of the points. A software adapter gains nothing by that, and without subgroup operations
-// invocations cannot ask one another: in the texts for these each has a strand alone.
+// One invocation that walks along a strand waits for memory at each point, and a GPU has thousands more than there are
+// strands: eight side by side share the work, each with a stretch of the points. A software adapter gains nothing by
+// that, and without subgroup operations invocations cannot ask one another: in the texts for these each has a strand
+// alone.
 //
-// What one of those that share writes for all, it writes after it has asked the others for something: by then they have read what they need.
+// What one of those that share writes for all, it writes after it has asked the others for something: by then they have
+// read what they need.
 import package::common::lanes::LANES;
 
 // Invocations that share the work. The engine dispatches so many for each strand, row or block.

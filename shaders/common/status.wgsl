@@ -1,5 +1,6 @@
 // The status word and the counters that travel with the state. A cause that freezes keeps the last pass from
-// committing; the host reads the causes after each batch of steps, removes the causes that it can and replays from the same state.
+// committing; the host reads the causes after each batch of steps, removes the causes that it can and replays from the
+// same state.
 
 const NEIGHBOUR_OVERFLOW: u32 = 1u;   // the list is too short: grow and replay
 const NON_FINITE_AIR: u32 = 2u;       // replay with the passes that recover strands; if they ran, the run ends

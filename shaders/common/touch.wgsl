@@ -1,5 +1,5 @@
-// What contacts do in the Newton steps of `rods/solve`: their stiffness, their linear model, how they are once a Newton step has moved their
-// places, and what they leave to the next step. `common/contact` says what a contact is.
+// What contacts do in the Newton steps of `rods/solve`: their stiffness, their linear model, how they are once a Newton
+// step has moved their places, and what they leave to the next step. `common/contact` says what a contact is.
 import package::common::{
     params::params, symmetric::{applied_to_columns, dyad, plus, twice_symmetric}, articulated::{Beyond, ONE, crossing},
     body::{BODIES, Placed, near},
@@ -29,8 +29,8 @@ fn bodies(rod: RodStrand) -> u32 {
     return select(0u, arrayLength(&placed), BODIES && rod.meets != 0u);
 }
 
-// Contacts of all places where they are now; `starts`: of the first time in the step. `renews` makes multipliers and the limits of friction the
-// forces that act.
+// Contacts of all places where they are now; `starts`: of the first time in the step. `renews` makes multipliers and
+// the limits of friction the forces that act.
 fn touch(strand: Strand, rod: RodStrand, starts: bool, renews: bool) -> Touch {
     var touch = Touch();
     for (var b = 0u; b < bodies(rod); b++) {
@@ -99,8 +99,9 @@ fn met_segment(
     return update_contact(contact, body.friction, found.effective_inverse_mass, found.seen.way, found.surface, starts, l);
 }
 
-// Leaves contacts to the next step: those of an unsolved strand remember nothing. A point that touches, or that a touching segment moves, has the
-// velocity of its move: all of it where it sticks, else across the surface, so that the integrator carries nothing into the body.
+// Leaves contacts to the next step: those of an unsolved strand remember nothing. A point that touches, or that a
+// touching segment moves, has the velocity of its move: all of it where it sticks, else across the surface, so that the
+// integrator carries nothing into the body.
 fn leave(strand: Strand, rod: RodStrand, solved: bool) {
     let count = bodies(rod);
     for (var k = 0u; k < strand.points; k++) {

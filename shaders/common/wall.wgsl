@@ -1,10 +1,11 @@
-// The wall that a body is to the air near it: a plane at the distance and with the normal of the nearest surface. The air's own sums lack
-// the parts of the kernels beyond that plane, which are integrals of the distance alone:
+// The wall that a body is to the air near it: a plane at the distance and with the normal of the nearest surface. The
+// air's own sums lack the parts of the kernels beyond that plane, which are integrals of the distance alone:
 //
 //   P(phi)   = 30/h (u^4/4 - u^5/5),  u = 1 - phi/h          the gradient's part, of Spiky, is -P n
 //   Psi(phi) = 1/2 - 315/256 (q - 4/3 q^3 + 6/5 q^5 - 4/7 q^7 + q^9/9),  q = phi/h       the density's part, of Poly6
 //
-// Beyond the plane the air sees its mirror image: air as dense, with the normal velocity reversed about that of the body.
+// Beyond the plane the air sees its mirror image: air as dense, with the normal velocity reversed about that of the
+// body.
 import package::common::{params::params, status::status};
 
 struct Wall {

@@ -1,4 +1,5 @@
-// The mean wind of the step, as `forcing/mean_wind` found it; it enters through a fringe behind the faces it blows through.
+// The mean wind of the step, as `forcing/mean_wind` found it; it enters through a fringe behind the faces it blows
+// through.
 import package::common::{params::params, status::status};
 
 // U at the end of the step [m/s].
@@ -21,8 +22,8 @@ fn depth_of(position: vec3f, wind: vec3f) -> vec3f {
     return select(params.box_size - position, position, wind >= vec3f(0.0));
 }
 
-// Part of a change of velocity that the fringe leaves: nothing behind a face that the wind meets head on, and nearly all
-// behind a face that the wind passes along, so that a wind may turn without a jump.
+// Part of a change of velocity that the fringe leaves: nothing behind a face that the wind meets head on, and nearly
+// all behind a face that the wind passes along, so that a wind may turn without a jump.
 fn left_by_fringe(position: vec3f) -> f32 {
     let wind = mean_wind();
     let speed = length(wind);

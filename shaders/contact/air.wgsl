@@ -1,5 +1,6 @@
-// Air flows around bodies. A particle that is nearer to a surface than its clearance is moved out by the nearest way and loses its velocity
-// toward the surface. The move itself gives no velocity: air that a turning body has left inside would be shot out.
+// Air flows around bodies. A particle that is nearer to a surface than its clearance is moved out by the nearest way
+// and loses its velocity toward the surface. The move itself gives no velocity: air that a turning body has left inside
+// would be shot out.
 //
 // Within a spacing the surface holds air back, by a stress of 1/2 C_f rho |v_t|^2 on a layer of one spacing:
 //

@@ -1,10 +1,12 @@
-// What the air near each body has given it in this step, and how far its density is off beside the body: sums over particles.
+// What the air near each body has given it in this step, and how far its density is off beside the body: sums over
+// particles.
 import package::common::{params::params, dispatch::WORKGROUP, cells::is_air, status::frozen, wall::Wall, by_body::sum_by_body};
 
 @group(0) @binding(2) var<storage, read> wall:    array<Wall>;
 @group(0) @binding(3) var<storage, read> density: array<f32>;   // rho / rho_0
 
-// Impulse over the mass of an air particle [m/s], and (theta - 1)^2 within a kernel radius; how many particles are there.
+// Impulse over the mass of an air particle [m/s], and (theta - 1)^2 within a kernel radius; how many particles are
+// there.
 fn term(i: u32, body: u32) -> mat2x4f {
     // Hair that the density constraint moves has no wall.
     if !is_air(i) && i < params.constrained { return mat2x4f(); }

@@ -1,5 +1,6 @@
-// Carries the divergence of air to the nodes of the coarse grid, r, from the cells of the neighbour search. Many lanes share a block of
-// nodes: there are few blocks, and thousands of particles reach each. A software adapter is busy with fewer.
+// Carries the divergence of air to the nodes of the coarse grid, r, from the cells of the neighbour search. Many lanes
+// share a block of nodes: there are few blocks, and thousands of particles reach each. A software adapter is busy with
+// fewer.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::frozen, mesh::node_index,
     deposit::{mesh, block_of, deposit, Part, BLOCK},

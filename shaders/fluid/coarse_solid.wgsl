@@ -1,5 +1,6 @@
-// What the coarse pressure would change the velocity of bodies by, if they were air: sums over the sites of a lattice that lie in each body,
-// three along each axis of a cell. The grid is solved for a box full of air, of which bodies take a part: its momentum and energy count.
+// What the coarse pressure would change the velocity of bodies by, if they were air: sums over the sites of a lattice
+// that lie in each body, three along each axis of a cell. The grid is solved for a box full of air, of which bodies
+// take a part: its momentum and energy count.
 import package::common::{
     params::params, dispatch::WORKGROUP, status::frozen, coarse::{mesh, pushed_at}, body::{surface, surface_move}, nearest::placed,
     by_body::sum_by_body,
@@ -7,7 +8,8 @@ import package::common::{
 
 const ALONG: i32 = 3;   // sites of a cell along each axis
 
-// A site brings w q [m/s] and w q . v [m^2/s^2]; w v [m/s], v the velocity of the body there, and w, the particles of air that would fill it.
+// A site brings w q [m/s] and w q . v [m^2/s^2]; w v [m/s], v the velocity of the body there, and w, the particles of
+// air that would fill it.
 fn term(i: u32, body: u32) -> mat2x4f {
     let counts = ALONG * mesh.nodes;
     let site = vec3i(i32(i) % counts.x, i32(i) / counts.x % counts.y, i32(i) / (counts.x * counts.y));

@@ -1,8 +1,10 @@
-// What the coarse grid is to take out: the divergence of each air particle, in the order of cells, and where the particle is. Where
-// air is too dense there are more particles to say so, which is taken out; where air is missing only compression counts.
+// What the coarse grid is to take out: the divergence of each air particle, in the order of cells, and where the
+// particle is. Where air is too dense there are more particles to say so, which is taken out; where air is missing only
+// compression counts.
 //
-// The grid is solved for a box full of air, which sends two thirds of a layer of sources on a sphere outward and one half on a cylinder or a
-// plane: 1.5 and 2 times the wall's part would be right if no iterations followed. It counts 1.25 times.
+// The grid is solved for a box full of air, which sends two thirds of a layer of sources on a sphere outward and one
+// half on a cylinder or a plane: 1.5 and 2 times the wall's part would be right if no iterations followed. It counts
+// 1.25 times.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::frozen, mesh::Mesh, pressure::{Stress, THIN}, body::BODIES,
     wall::Wall,

@@ -1,10 +1,11 @@
-// The discrete Hartley transform along one axis of the coarse grid: real, and its own inverse but for the number of nodes
-// (Bracewell 1983).
+// The discrete Hartley transform along one axis of the coarse grid: real, and its own inverse but for the number of
+// nodes (Bracewell 1983).
 //
 //   out_k = sum_m in_m (cos t + sin t),  t = 2 pi k m/n
 //
-// The dispatch that makes the waves along the last axis, where `mesh.solves`, solves for the coarse pressure wave by wave: what was
-// deposited over the symbol of the Laplacian that deposit and gather make with quadratic B-splines, each axis by its own s = sin^2(t/2).
+// The dispatch that makes the waves along the last axis, where `mesh.solves`, solves for the coarse pressure wave by
+// wave: what was deposited over the symbol of the Laplacian that deposit and gather make with quadratic B-splines, each
+// axis by its own s = sin^2(t/2).
 //
 //   c(k) = r(k)/S(k),  S = cell/V (K_x M_y M_z/H_x^2 + M_x K_y M_z/H_y^2 + M_x M_y K_z/H_z^2)
 //   M = (66 + 52 cos t + 2 cos 2t)/120 = 1 - s + 2/15 s^2,  K = 1 - 2/3 cos t - 1/3 cos 2t = 4 s (1 - 2/3 s),  t = 2 pi k/n
@@ -38,8 +39,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let line = index - k * stride;
     var sum = 0.0;
     var turn = 0;   // k m, less whole turns
-    // It ends where the line does, and not after so many nodes: a driver that knows that these are two would compile the pass for
-    // each dispatch.
+    // It ends where the line does, and not after so many nodes: a driver that knows that these are two would compile
+    // the pass for each dispatch.
     for (var at = line; at < line + all * stride; at += stride) {
         let t = 2.0 * PI * f32(turn) / f32(all);
         sum += nodes[at] * (cos(t) + sin(t));

@@ -2,7 +2,8 @@
 //
 //   dx_i = relaxation w_i sum_j (lambda_i V_j + lambda_j V_i) grad_i W     equal and opposite for a pair in m dx
 //
-// Jacobi: everyone's position is read, only `move` changes it. The part of lambda that becomes velocity is summed beside it.
+// Jacobi: everyone's position is read, only `move` changes it. The part of lambda that becomes velocity is summed
+// beside it.
 import package::common::{
     params::params, dispatch::WORKGROUP, lanes::Near, matter::inverse_mass_of, pairs::{Pair, gradient_apart},
     clusters::{take_particle, has_none, of_shared, added_up, meet_own_kind},

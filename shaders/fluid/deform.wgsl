@@ -1,5 +1,5 @@
-// How the flow deforms air in a step, by which `spread` moves particles where no wind blows, and by which eddies smaller than the
-// spacing exchange velocity (`viscosity`).
+// How the flow deforms air in a step, by which `spread` moves particles where no wind blows, and by which eddies
+// smaller than the spacing exchange velocity (`viscosity`).
 //
 //   |G_i| dt,  G_i = sum_j V_j (v_j - v_i) (x) grad_i W,  |G| Frobenius's norm
 import package::common::{

@@ -1,13 +1,15 @@
-// One iteration of the pressure: the divergence of the velocity at each particle, and the pressure that takes a part of it out.
+// One iteration of the pressure: the divergence of the velocity at each particle, and the pressure that takes a part of
+// it out.
 //
 //   s_i = sum_j V_j (v_i - v_j) . B_i grad_i W                the rate at which the density rises, over the density
 //   mu_i = -omega p_i s_i/(a_i max(1, 0.8 theta_i)),  lambda_i += mu_i              `fluid/push` does the rest
 //
-// Particles that crowd see the same divergence, and would all take it out: theta is their density over that at rest. So would points of
-// hair that are nearer to one another than particles of air, l < d: each takes a part p_i = min(1, l/d), where V_i = V_air l/h.
-// A body's wall adds -k (v_i - v_b) . n to the sum. Beside bodies, where air goes far in a step and what a path missed would stay as an error of
-// the density for good, a part of that error flows out: s_i += 0.3 way_i (theta_i - 1)/dt.
-// Where air is missing lambda_i is at most 0: what flies apart there is not pulled together.
+// Particles that crowd see the same divergence, and would all take it out: theta is their density over that at rest. So
+// would points of hair that are nearer to one another than particles of air, l < d: each takes a part p_i = min(1,
+// l/d), where V_i = V_air l/h. A body's wall adds -k (v_i - v_b) . n to the sum. Beside bodies, where air goes far in a
+// step and what a path missed would stay as an error of the density for good, a part of that error flows out: s_i +=
+// 0.3 way_i (theta_i - 1)/dt. Where air is missing lambda_i is at most 0: what flies apart there is not pulled
+// together.
 import package::common::{
     params::params, dispatch::WORKGROUP, lanes::Near, pairs::{Pair, gradient_to},
     clusters::{take_particle, has_none, of_flow, meet_own_kind}, pressure::{Pressed, Gradients, Stress, allowed}, body::BODIES, wall::Wall,
@@ -27,7 +29,8 @@ struct Iteration {
 @group(0) @binding(9) var<storage, read>       wall:         array<Wall>;
 
 var<private> velocity: vec3f;
-// Symmetric part of sum_j V_j (v_i - v_j) (x) grad_i W [1/s]: xx, yy, zz; twice yz, zx, xy. B_i is taken times all of it at once.
+// Symmetric part of sum_j V_j (v_i - v_j) (x) grad_i W [1/s]: xx, yy, zz; twice yz, zx, xy. B_i is taken times all of
+// it at once.
 var<private> diagonal: vec3f;
 var<private> off_diagonal: vec3f;
 

@@ -1,13 +1,13 @@
-// Friction of hair on hair, Coulomb's law over the pairs that the density constraint squeezes: equal and opposite impulses
-// between points of different strands, across the line that joins them.
+// Friction of hair on hair, Coulomb's law over the pairs that the density constraint squeezes: equal and opposite
+// impulses between points of different strands, across the line that joins them.
 //
 //   J_ij = -k_ij u_ij,   k_ij = min(p_ij/(P_i + P_j), mu p_ij/|u_ij|)   u: what of the difference of pulls is normal to x_i - x_j
 //   g_i <- c_i (g_i + w_i sum_j k_ij s_ij)                              s: of the velocities of the last step, as u of pulls
 //   c_i  = sum_j k_ij / sum_j p_ij/(P_i + P_j)                          1 where all pairs stick, towards 0 where they slide
 //
-// The first term of k is the largest that cannot overshoot, whatever the masses; the second is Coulomb's cap (Macklin et al.
-// 2014, eq. 24), with the constraint's own impulse p for the depth. The grip g is the spring of Cundall & Strack (1979), kept
-// by points instead of pairs: it holds what sticks where it is, and what slides lets go of it.
+// The first term of k is the largest that cannot overshoot, whatever the masses; the second is Coulomb's cap (Macklin
+// et al. 2014, eq. 24), with the constraint's own impulse p for the depth. The grip g is the spring of Cundall & Strack
+// (1979), kept by points instead of pairs: it holds what sticks where it is, and what slides lets go of it.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::frozen, lanes::Near, pairs::Pair, rub::{FrictionPoint, pressed},
     clusters::{take_particle, has_no_hair, of_shared, added_up, meet_own_kind}, own_strand::{Points, points_with, holds},

@@ -1,11 +1,12 @@
-// Density, and the matrix that makes the kernel's gradients exact for a linear field whatever the disorder of the particles
-// (Randles & Libersky 1996):
+// Density, and the matrix that makes the kernel's gradients exact for a linear field whatever the disorder of the
+// particles (Randles & Libersky 1996):
 //
 //   theta_i = rho_i/rho_0 = sum_j V_j W,  self included
 //   B_i = (0.02 - sum_j V_j grad_i W (x) (x_i - x_j))^-1;  1 where that is hardly a matrix
 //   a_i = w_i |sum_j V_j B_i grad_i W|^2 + sum_j w_j V_j^2 |B_i grad_i W|^2 + alpha        w inverse mass, 1 for air
 //
-// A body's wall adds its part (`common/wall.wgsl`): Psi to theta, 2 P phi n n^T to the matrix, -k n to the first sum, k = 2 P n . B n.
+// A body's wall adds its part (`common/wall.wgsl`): Psi to theta, 2 P phi n n^T to the matrix, -k n to the first sum, k
+// = 2 P n . B n.
 //
 // With it the push of the pressure that the step before left, lambda B/V.
 import package::common::{

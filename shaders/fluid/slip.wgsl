@@ -1,6 +1,6 @@
-// How hair would slip: what `squeeze` and `friction` ask of each hair point. What rod and gravity do to a point is taken from
-// its last step awake. The grip pulls with a quarter of the stiffness that one step bears: with it a point that sticks comes to
-// rest without swinging.
+// How hair would slip: what `squeeze` and `friction` ask of each hair point. What rod and gravity do to a point is
+// taken from its last step awake. The grip pulls with a quarter of the stiffness that one step bears: with it a point
+// that sticks comes to rest without swinging.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, rod::{Point, PointHistory},
     rub::FrictionPoint, status::frozen,

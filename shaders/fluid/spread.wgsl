@@ -2,20 +2,22 @@
 //
 //   delta_i = -h^2 min(0.065, f U dt/d) sum_j V_j grad_i W,  at most d/4
 //
-// f is the scene's share (`spreading`), d the spacing, U the largest mean wind of the table of winds, or the particle's own speed where
-// that is more. While that table has no wind, the deformation in a step (`deform`) takes the place of the second term where it is more,
-// up to 0.05: air that whirls would clump.
+// f is the scene's share (`spreading`), d the spacing, U the largest mean wind of the table of winds, or the particle's
+// own speed where that is more. While that table has no wind, the deformation in a step (`deform`) takes the place of
+// the second term where it is more, up to 0.05: air that whirls would clump.
 //
 // Where air is still as well, the second term is at least the unevenness itself,
 //
 //   h |sum_j V_j grad_i W| min(1, 725 dt/s),
 //
-// since crowded air would stay crowded. With the model PARTICLES this is left out: there hair takes the place of air, and the sum over air
-// alone is uneven about it.
+// since crowded air would stay crowded. With the model PARTICLES this is left out: there hair takes the place of air,
+// and the sum over air alone is uneven about it.
 //
-// Bodies are walls to the sum, which gets -P n of theirs (`common/wall.wgsl`), and beside them the second term is at least 0.12 of the way.
+// Bodies are walls to the sum, which gets -P n of theirs (`common/wall.wgsl`), and beside them the second term is at
+// least 0.12 of the way.
 //
-// After Xu, Stansby & Laurence (2009) and Lind et al. (2012); it goes with the step, so that its diffusion vanishes with it.
+// After Xu, Stansby & Laurence (2009) and Lind et al. (2012); it goes with the step, so that its diffusion vanishes
+// with it.
 import package::common::{
     params::params, dispatch::WORKGROUP, status::status, body::BODIES, wall::Wall, lanes::Near, sph_kernels::spiky_factor, pairs::{Pair, gradient_to, apart},
     clusters::{take_particle, has_none, of_air, meet_own_kind}, matter::Exchange,

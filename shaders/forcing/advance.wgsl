@@ -2,8 +2,8 @@
 //
 //   v = v_n + dv,  x* = wrap(x_n + dt (v + a/2)),  v* = v + a/3        dv the wind's change, a what pressure changed v by
 //
-// All that acts from outside changes v_n and v_(n-1) alike, so that a is their difference whatever acted since. What pressure
-// changes v by in this step starts with a/3.
+// All that acts from outside changes v_n and v_(n-1) alike, so that a is their difference whatever acted since. What
+// pressure changes v by in this step starts with a/3.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, cells::wrap, pressure::Pressed, status::frozen,
 };

@@ -1,5 +1,5 @@
-// The velocity that hair counts with where pressure acts on hair and air together: that of the step's end if all went on as
-// before, v + (v - v_(n-1))/3 where BDF2 is to take the strand, else v.
+// The velocity that hair counts with where pressure acts on hair and air together: that of the step's end if all went
+// on as before, v + (v - v_(n-1))/3 where BDF2 is to take the strand, else v.
 //
 // Gravity has no part in it: rods bear most of it, and hair that hangs at rest must not press on the air below it.
 import package::common::{

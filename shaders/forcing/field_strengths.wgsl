@@ -1,5 +1,5 @@
-// The strength of each force field at the end of the step: linear between its keyframes, held before the first and after the last.
-// The strongest field adds to the fastest wind. One invocation.
+// The strength of each force field at the end of the step: linear between its keyframes, held before the first and
+// after the last. The strongest field adds to the fastest wind. One invocation.
 import package::common::{params::params, field::{fields, Field}, status::{status, frozen}};
 
 @group(0) @binding(2) var<storage, read>       field_keyframes:   array<vec2f>;   // time [s], strength [m/s]

@@ -1,5 +1,6 @@
-// The wind enters: what the mean wind changes by, and what the air behind the faces of entry lacks of it, is given to all air
-// alike; and near these faces the air is drawn toward what the wind brings, so that what left downstream comes in again conditioned.
+// The wind enters: what the mean wind changes by, and what the air behind the faces of entry lacks of it, is given to
+// all air alike; and near these faces the air is drawn toward what the wind brings, so that what left downstream comes
+// in again conditioned.
 //
 //   dv = U(t + dt) - U(t) + L;  then  v += (1 - exp(-sigma dt)) (U + u' - v)
 //   L = n (n . sum_i sigma_i (U + u' - v_i - dU))/sum_i sigma_i,  n = U/|U|,  dU = U(t + dt) - U(t)       over all air (`miss`)

@@ -1,12 +1,13 @@
-// The mean wind of the step, from its table: linear between two entries, held before the first and after the last. Each invocation finds
-// one component.
+// The mean wind of the step, from its table: linear between two entries, held before the first and after the last. Each
+// invocation finds one component.
 import package::common::{params::params, status::{status, frozen}};
 
 @group(0) @binding(2) var<storage, read> wind_table: array<vec4f>;   // xyz: U [m/s], w: time [s], rising
 
 const AXES: u32 = 3u;
 
-// The wind along an axis at a time: between two entries of the table if it is after the first of them, else what was found before.
+// The wind along an axis at a time: between two entries of the table if it is after the first of them, else what was
+// found before.
 fn later(found: f32, before: vec4f, after: vec4f, axis: u32, time: f32) -> f32 {
     let part = min((time - before.w) / (after.w - before.w), 1.0);
     return select(found, mix(before[axis], after[axis], part), time > before.w);

@@ -1,11 +1,12 @@
-// Puts each strand that is bad into its rest shape at its root, where the clamp was when the step began: at rest, and with no memory.
-// A tip that is held stays. `rods/predict` turns it with its clamp from there, and makes its frames.
+// Puts each strand that is bad into its rest shape at its root, where the clamp was when the step began: at rest, and
+// with no memory. A tip that is held stays. `rods/predict` turns it with its clamp from there, and makes its frames.
 //
-// A strand is bad if the step before lost it, or if it has a value that is not finite, or that no strand can have: then it is invalid, and
-// this pass, which runs before anything else reads it, finds it. Spins are read by their own strand alone, which `rods/update` finds lost after
-// the solve.
+// A strand is bad if the step before lost it, or if it has a value that is not finite, or that no strand can have: then
+// it is invalid, and this pass, which runs before anything else reads it, finds it. Spins are read by their own strand
+// alone, which `rods/update` finds lost after the solve.
 //
-// This pass writes what lasts. A step that freezes does no harm by that: taken again, it finds the strand bad and puts it there again.
+// This pass writes what lasts. A step that freezes does no harm by that: taken again, it finds the strand bad and puts
+// it there again.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, tangent},
     rod::{Strand, Segment, StrandHistory, PointHistory, TIP_HELD, FAILED, SPOILT}, validity::{FAST, within, root_of, in_reach},
@@ -52,7 +53,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if s == 0u { status.inspected = 1u; }
     let strand = strands[s];
     let root = root_of(strand, strand_history[s].root, position[strand.first_point].xyz);
-    // What the step before lost has been counted. A step that froze is taken again: a invalid strand is counted anew, in its rest shape by now.
+    // What the step before lost has been counted. A step that froze is taken again: a invalid strand is counted anew,
+    // in its rest shape by now.
     if strand_history[s].condition.failed != FAILED {
         let point = invalid(strand, root);
         if point == NO_POINT && strand_history[s].condition.failed == 0u { return; }

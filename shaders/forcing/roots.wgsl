@@ -3,7 +3,8 @@
 // strand is long is teleported, unless its tip is held too. A strand whose clamp does not move may sleep. Free roots
 // are left alone. A tip that is held goes along: by the keyframes, or where its pin is.
 //
-// Behind `forcing/reset`: where that did not run although a strand is bad, the step freezes, and is taken again with it.
+// Behind `forcing/reset`: where that did not run although a strand is bad, the step freezes, and is taken again with
+// it.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, conjugate, rotate, rotation, rotation_vector},
     motion::{moves, pose_after},

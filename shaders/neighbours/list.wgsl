@@ -1,5 +1,5 @@
-// Lists, for every cluster, the particles that are nearer than the kernel radius to any of its own (`common/list.wgsl`), in the order
-// of cells.
+// Lists, for every cluster, the particles that are nearer than the kernel radius to any of its own
+// (`common/list.wgsl`), in the order of cells.
 //
 // Air meets air through the periodic faces; air and hair, hair and hair meet directly. The status has the number of
 // elements that the step needs, even beyond the end of a list that is too short: the step is then frozen, and the host
@@ -29,13 +29,15 @@ const OTHER: u32 = 1u;
 const LAST: u32 = 6u;                      // number from which on the last row is kept: 2 kinds of 3 stretches are kept of each row
 const HELD: u32 = 168u;                    // entries of a cluster that are kept while searching; with more it is searched again
 
-// What is kept of an entry: whose neighbour it is, bit by bit; its place in its stretch; which stretch that is. 0 is nobody.
+// What is kept of an entry: whose neighbour it is, bit by bit; its place in its stretch; which stretch that is. 0 is
+// nobody.
 const PLACE_BITS: u32 = 8u;
 const STRETCH_BITS: u32 = 27u;
 const PLACES: u32 = 524288u;               // a stretch with more freezes the step as a list does that is too long for 32 bits
 
-// A stretch is the entries of a row of cells in one of the boxes that it reaches into: the first, and the end. Its number is that of its
-// box times ROWS, and that of its row. Each of the eight keeps those of the row that has its number, and all of them those of the last row.
+// A stretch is the entries of a row of cells in one of the boxes that it reaches into: the first, and the end. Its
+// number is that of its box times ROWS, and that of its row. Each of the eight keeps those of the row that has its
+// number, and all of them those of the last row.
 
 const KEEPS: u32 = 176u;                   // words of a cluster: those, and one for each invocation that has nothing to keep
 
@@ -62,7 +64,8 @@ fn cluster_in_workgroup() -> u32 {
     return local / LANES;
 }
 
-// Notes what is to be searched, of both kinds, in a row next to the cluster's own; what is kept of it has numbers from `first` on.
+// Notes what is to be searched, of both kinds, in a row next to the cluster's own; what is kept of it has numbers from
+// `first` on.
 fn look_ahead(home: vec3i, row: u32, first: u32, air: bool) {
     let cells = params.cells;
     let line = home.yz + step_of(row);
@@ -250,7 +253,8 @@ fn room_for(length: u32) -> u32 {
     return select(0u, begin, fits);
 }
 
-// Whether the step froze before its list was made. While a list that is too short is made, the other clusters still say what they need.
+// Whether the step froze before its list was made. While a list that is too short is made, the other clusters still say
+// what they need.
 fn frozen_before_list() -> bool {
     return (status.ended != 0u) | ((atomicLoad(&status.causes) & ~NEIGHBOUR_OVERFLOW) != 0u);
 }

@@ -19,7 +19,8 @@ struct View {
 
 @group(0) @binding(0) var<uniform> view: View;
 
-// Drawn pixels along each axis of a pixel of the picture: with 4 samples each, those of a single thin hair follow it evenly.
+// Drawn pixels along each axis of a pixel of the picture: with 4 samples each, those of a single thin hair follow it
+// evenly.
 const FINE: u32 = 2u;
 
 // Cells of a light's grid along each axis, chosen by eye; a grid then takes 3.5 MB.

@@ -1,7 +1,8 @@
 // Makes the points of every drawn hair of its follower's few: a smooth curve (Catmull-Rom) with waves of its own.
 //
-// A follower is a hair's course between the strands, and is worked out beside the shaders. Hairs of a strand draw together toward
-// its tip and sway a little, each in another way; hairs of a groom file stay as they are. There is one invocation per point.
+// A follower is a hair's course between the strands, and is worked out beside the shaders. Hairs of a strand draw
+// together toward its tip and sway a little, each in another way; hairs of a groom file stay as they are. There is one
+// invocation per point.
 import package::common::dispatch::{invocation, WORKGROUP};
 import package::pictures::common::{view, chance};
 
@@ -56,8 +57,8 @@ fn between(a: vec4f, b: vec4f, u: f32) -> vec4f {
     return normalize(mix(a, select(b, -b, dot(a, b) < 0.0), u));
 }
 
-// Orientation of a strand at `x` segments from the root, between those of the nearest segments. Toward the root it becomes
-// that of the clamp, so that hairs stay where they are rooted whatever their strand does.
+// Orientation of a strand at `x` segments from the root, between those of the nearest segments. Toward the root it
+// becomes that of the clamp, so that hairs stay where they are rooted whatever their strand does.
 fn orientation(first: u32, last: u32, x: f32) -> vec4f {
     let segment = clamp(x - 0.5, 0.0, f32(last - first - 1u));
     let k = first + u32(segment);

@@ -1,6 +1,7 @@
-// Draws hairs as ribbons that face the camera and taper to the tip. None is narrower than a drawn pixel, measured along a row or a
-// column, whichever the hair crosses: it then meets each of a pixel's samples once on its way over every column or row. A thinner hair
-// covers fewer of the samples instead, each hair its own, so that it fades evenly and does not break up.
+// Draws hairs as ribbons that face the camera and taper to the tip. None is narrower than a drawn pixel, measured along
+// a row or a column, whichever the hair crosses: it then meets each of a pixel's samples once on its way over every
+// column or row. A thinner hair covers fewer of the samples instead, each hair its own, so that it fades evenly and
+// does not break up.
 import package::pictures::{common::{view, hash, chance}, taper::taper, backdrop::backdrop};
 
 @group(0) @binding(1) var<storage, read> points: array<vec4f>;
@@ -40,7 +41,8 @@ fn vertex(@builtin(vertex_index) index: u32, @builtin(instance_index) hair: u32)
     return out;
 }
 
-// Linear rgb of a colour at a distance, nearer to the backdrop's the farther. `colour` is the square root of linear rgb.
+// Linear rgb of a colour at a distance, nearer to the backdrop's the farther. `colour` is the square root of linear
+// rgb.
 fn faded(colour: vec3f, far: f32, clip: vec4f) -> vec3f {
     let depth = clamp((far - view.right.w) * view.up.w, 0.0, 1.0);
     return mix(colour * colour, backdrop(0.5 - 0.5 * clip.xy / clip.w), 0.10 * depth);

@@ -1,5 +1,5 @@
-// Totals the partial sums that the pass before has left (`common/terms.wgsl`), in a fixed order. All sums over air are totalled by this
-// one text; who needs a mean makes it of the total.
+// Totals the partial sums that the pass before has left (`common/terms.wgsl`), in a fixed order. All sums over air are
+// totalled by this one text; who needs a mean makes it of the total.
 import package::common::{dispatch::WORKGROUP, reduce::{partial_sum, total, WORKERS}};
 
 @group(0) @binding(2) var<storage, read_write> totals: array<vec4f>;   // two: the eight sums

@@ -1,8 +1,9 @@
-// How a strand stands to the bodies as the step begins: whether it may meet one, whether one that moves wakes it, how many of its points, from
-// the root on, bodies let be, and what its contacts remember.
+// How a strand stands to the bodies as the step begins: whether it may meet one, whether one that moves wakes it, how
+// many of its points, from the root on, bodies let be, and what its contacts remember.
 //
-// From a root that is held at a depth d below a surface, a strand rises by RISE of its length. The points that are nearer to the root than
-// d/RISE along the strand are *embedded*: if bodies pushed them out, they would push against the clamp in every step.
+// From a root that is held at a depth d below a surface, a strand rises by RISE of its length. The points that are
+// nearer to the root than d/RISE along the strand are *embedded*: if bodies pushed them out, they would push against
+// the clamp in every step.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, quaternion::{rotate, turned_by},
     rod::{Strand, Segment, RodStrand, RodPoint, ROOT_HELD, TELEPORTED, SLEEPS}, body::{Placed, Surface, near, steepest},
@@ -42,8 +43,8 @@ fn begin(history: ContactHistory, body: Placed, start: Surface, forgets: bool) -
     return contact;
 }
 
-// To a place whose way leads far through a body, or out of it on another side, the body is the plane that touches it where the way enters: steps
-// along the way are as long as the distance allows (Hart 1996, Sphere tracing).
+// To a place whose way leads far through a body, or out of it on another side, the body is the plane that touches it
+// where the way enters: steps along the way are as long as the distance allows (Hart 1996, Sphere tracing).
 fn plane(contact: Contact, body: Placed, place: Place) -> Contact {
     let seen = seen_from(body, place);
     let far = length(seen.way);

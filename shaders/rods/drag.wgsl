@@ -1,5 +1,5 @@
-// Lift and drag of the air on hair points, as a force and a resistance that the rods take implicitly. Per segment, u the air
-// relative to it, u_n across it, t along it, A = 2 r l n:
+// Lift and drag of the air on hair points, as a force and a resistance that the rods take implicitly. Per segment, u
+// the air relative to it, u_n across it, t along it, A = 2 r l n:
 //
 //   k_n = 1/2 rho A (|u_n| + 10 (2r/nu)^(-2/3) |u_n|^(1/3))   C_d = 1 + 10 Re^(-2/3) (White, Viscous Fluid Flow)
 //   k_t = 1/2 rho A 5.4 sqrt(nu |u_n|/(2r))                   laminar skin friction of an oblique cylinder (Taylor 1952)
@@ -13,11 +13,11 @@
 // BDF2 takes them at extrapolated places x + dt (3/2 v_n - 1/2 v_(n-1)), and with 2 v_n - v_(n-1); Euler at x and v_n.
 // What BDF2 extrapolates of the drag grows into a flutter from dt w D_n = 0.39 on: such a strand takes Euler.
 //
-// The drag's direction is that of the segment as the step begins. Where the air passes by more than some lengths of the strand in a step,
-// that would throw segments to and fro: there k_t goes to k_n.
+// The drag's direction is that of the segment as the step begins. Where the air passes by more than some lengths of the
+// strand in a step, that would throw segments to and fro: there k_t goes to k_n.
 //
-// Air that was sampled has been slowed by the fibre itself, as by a porous strip (Taylor 1944): from s |u_n| to |u_n|, with
-// s = 1 + k_n/(2 rho b l n |u_n|). So k_n is s k_n(s |u_n|) there.
+// Air that was sampled has been slowed by the fibre itself, as by a porous strip (Taylor 1944): from s |u_n| to |u_n|,
+// with s = 1 + k_n/(2 rho b l n |u_n|). So k_n is s k_n(s |u_n|) there.
 import package::common::{
     params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, rod::{Strand, Segment, RodStrand, RodPoint},
     integration::{EULER, BDF2}, cells::{cell_of, in_box}, air::{Sampled, THIN}, wind::mean_wind,

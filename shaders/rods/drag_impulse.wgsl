@@ -1,4 +1,5 @@
-// The impulse that the air's drag gave each hair point in this step, J = dt (F - R v), v the velocity at the step's end.
+// The impulse that the air's drag gave each hair point in this step, J = dt (F - R v), v the velocity at the step's
+// end.
 import package::common::{params::params, dispatch::{invocation, WORKGROUP}, rod::RodPoint, status::frozen};
 
 @group(0) @binding(2) var<storage, read>       rod_points:   array<RodPoint>;

@@ -1,4 +1,5 @@
-// What was set to push hair is no drag: its impulse is taken out of what the air gave, so that the air does not lose it.
+// What was set to push hair is no drag: its impulse is taken out of what the air gave, so that the air does not lose
+// it.
 //
 //   J -= dt m a
 import package::common::{

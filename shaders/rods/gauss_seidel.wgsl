@@ -4,10 +4,10 @@
 //   segment k:  C = (x_(k+1) - x_k)/l - d3(q_k),         dC = (dx_(k+1) - dx_k)/l + [d3]x theta_k
 //   (J W J^T + a) dlambda = -C - a lambda,  a = alpha (1 + c dt)/dt^2,  in the material frame
 //
-// One invocation per strand, root to tip. A dispatch takes `rod_sweeps` sweeps; multipliers start at 0 (`rods/predict`) and persist
-// over all sweeps of a step, so that it does not matter how these are cut into dispatches. a = alpha/response: forces times
-// the square of the step.
-// J W J^T of a segment is diagonal in its own frame; of a joint it is w/4 (I - p_v p_v^T) for a unit p.
+// One invocation per strand, root to tip. A dispatch takes `rod_sweeps` sweeps; multipliers start at 0 (`rods/predict`)
+// and persist over all sweeps of a step, so that it does not matter how these are cut into dispatches. a =
+// alpha/response: forces times the square of the step. J W J^T of a segment is diagonal in its own frame; of a joint it
+// is w/4 (I - p_v p_v^T) for a unit p.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::frozen,
     quaternion::{product, conjugate, rotate, tangent, turned}, integration::response, load::damping_of,
@@ -39,7 +39,8 @@ fn bend_twist(k: u32, before: vec4f, before_inverse_inertia: f32) -> vec3f {
     return 0.5 * rotate(before, p.w * change + cross(v, change));
 }
 
-// The inverse mass of a point. Multipliers are forces times the response of frames; a point that more resists moves by less.
+// The inverse mass of a point. Multipliers are forces times the response of frames; a point that more resists moves by
+// less.
 fn yielding(point: RodPoint) -> f32 {
     if point.resistance == 0.0 { return point.inverse_mass; }
     return point.inverse_mass * (response(damping_of(point), point.scheme) / response(params.damping, point.scheme));

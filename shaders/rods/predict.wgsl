@@ -1,12 +1,14 @@
 // How a strand goes through the step, and where its solver starts.
 //
-// A strand that was not finite is placed in its rest shape; a teleported one moves as a whole; one at rest that nothing pushes sleeps. The
-// others are integrated: points and frames get their free moves, and the solver starts where the spins turn the frames. There
+// A strand that was not finite is placed in its rest shape; a teleported one moves as a whole; one at rest that nothing
+// pushes sleeps. The others are integrated: points and frames get their free moves, and the solver starts where the
+// spins turn the frames. There
 //
 //   x_(k+1) = x_k + (rotation(turn_k) - 1) l d3_k + rotation(turn_k) u_k - u_k      u = chord - l d3, in moves since the step's start
 //
-// so that the strand is whole. A segment that is strained by more than WHOLE as the step begins has been pushed by a body, or written by
-// somebody: its frame turns onto its chord, what is left of the strain is cut, and the points beyond shift along, without a velocity.
+// so that the strand is whole. A segment that is strained by more than WHOLE as the step begins has been pushed by a
+// body, or written by somebody: its frame turns onto its chord, what is left of the strain is cut, and the points
+// beyond shift along, without a velocity.
 import package::common::{
     params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotate, rotation, tangent, turned_by},
     integration::{KINEMATIC, HOLD, EULER, free_move, response}, rest::RESTING_STEPS, load::damping_of,
@@ -27,8 +29,9 @@ const AT_TIP: f32 = 0.25;      // force on the tip that bends a strand as far as
 const SHORTEST: f32 = 1e-3;    // lengths of the segment: a shorter chord has no direction
 const OPPOSITE: f32 = 1e-4;    // 1 + cosine of two directions that no smallest rotation joins
 
-// Adds what forces from outside change of each point's velocity. Returns how much pushes the strand that did not while it came to rest
-// [m/s]: all of it on average, or one point by as much as bends the strand as far. A sleeper has no velocity but what viscosity gave it.
+// Adds what forces from outside change of each point's velocity. Returns how much pushes the strand that did not while
+// it came to rest [m/s]: all of it on average, or one point by as much as bends the strand as far. A sleeper has no
+// velocity but what viscosity gave it.
 fn load(strand: Strand, sleeping: bool) -> f32 {
     var movable = 0.0;
     var sum = vec3f(0.0);
@@ -75,7 +78,8 @@ fn pull(strand: Strand) -> Pins {
     return pins;
 }
 
-// Whether a strand whose clamp rests goes on at rest. A trembling strand feels a trembling drag, which must not wake it.
+// Whether a strand whose clamp rests goes on at rest. A trembling strand feels a trembling drag, which must not wake
+// it.
 fn rests(strand: Strand, resting: u32, woken: bool, push: f32) -> bool {
     let sleeping = resting == SLEEPS;
     let rested = resting >= RESTING_STEPS && f32(resting) * params.step >= strand.still_time;
@@ -88,8 +92,8 @@ fn chord_of(p: u32) -> vec3f {
     return gap + (rod_points[p + 1u].remainder - rod_points[p].remainder);
 }
 
-// Places a strand: in its rest shape, unrolled from the clamp, where a tip that is held stays; or as it is, turned with its root and moved
-// with it. A sleeper remembers what pushed it when it fell asleep.
+// Places a strand: in its rest shape, unrolled from the clamp, where a tip that is held stays; or as it is, turned with
+// its root and moved with it. A sleeper remembers what pushed it when it fell asleep.
 fn place(strand: Strand, rod: RodStrand, at_rest: bool, sleeps: bool) {
     let scheme = select(KINEMATIC, HOLD, sleeps);
     var frame = rod.root_frame;

@@ -1,5 +1,5 @@
-// The acceleration a that was set pushes hair: a force m a on a point, m its own mass, without that of air which it carries. A held
-// point goes where it is held.
+// The acceleration a that was set pushes hair: a force m a on a point, m its own mass, without that of air which it
+// carries. A held point goes where it is held.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, rod::RodPoint, status::frozen,
 };

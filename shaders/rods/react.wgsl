@@ -1,5 +1,5 @@
-// What hair gives back to each air particle, with the weights that it was sampled with: v_j -= sum_i w_ij J_i/m_j over hair,
-// w_ij = V_j W(y_i - x_j)/max(theta_i, 1/2).
+// What hair gives back to each air particle, with the weights that it was sampled with: v_j -= sum_i w_ij J_i/m_j over
+// hair, w_ij = V_j W(y_i - x_j)/max(theta_i, 1/2).
 import package::common::{
     params::params, dispatch::WORKGROUP, lanes::Near, pairs::Pair,
     clusters::{take_particle, has_none, of_air, meet_other_kind}, air::{Sampled, THIN},
@@ -12,7 +12,8 @@ import package::common::{
 
 var<private> given: vec3f;
 
-// Where an entry is none the cluster's own particle is asked for, which is air: what is read then counts for nothing, but must be a number.
+// Where an entry is none the cluster's own particle is asked for, which is air: what is read then counts for nothing,
+// but must be a number.
 fn load_neighbour(i: u32) -> Near {
     let p = min(i, params.hair_points - 1u);
     let point = sampled[p];

@@ -1,5 +1,6 @@
-// The wind of force fields at every hair point, where no air carries it: with the model two-way it takes part as the mean wind does
-// where air thins out, with the others it is added to the mean wind, at the place to which the point's velocity leads it.
+// The wind of force fields at every hair point, where no air carries it: with the model two-way it takes part as the
+// mean wind does where air thins out, with the others it is added to the mean wind, at the place to which the point's
+// velocity leads it.
 //
 //   two-way   u += (1 - min(theta, 1/2)/(1/2)) sum_f u_f(y)
 //   others    u = U + sum_f u_f(x + dt v)

@@ -4,16 +4,19 @@
 //         + sum_contacts 1/2 k (phi + D)^2
 //   p = turn conj(free turn),  eps = R^T u/l,  C = Im(conj(q_(k-1)) q_k) - s Im(rest),  J = 1/W of a frame
 //
-// The unknowns are frames and strains u; points follow from them, x_(k+1) = x_k + l d3 + u, so that a strand is whole at every iterate:
+// The unknowns are frames and strains u; points follow from them, x_(k+1) = x_k + l d3 + u, so that a strand is whole
+// at every iterate:
 //
 //   dx_(k+1) = dx_k + theta_k x r_k + e_k,   theta_k = theta_(k-1) + phi_k,   r = l d3 + u
 //
-// Tip to root, what lies beyond a point acts on it as an articulated body (`common/articulated`); root to tip, turns and strains follow. The
-// Hessian is Gauss-Newton's, and a frame under tension resists turning off the pull: it is positive definite, so that Phi falls along theta.
-// Contacts with bodies are springs on points and segments (`common/contact`).
+// Tip to root, what lies beyond a point acts on it as an articulated body (`common/articulated`); root to tip, turns
+// and strains follow. The Hessian is Gauss-Newton's, and a frame under tension resists turning off the pull: it is
+// positive definite, so that Phi falls along theta. Contacts with bodies are springs on points and segments
+// (`common/contact`).
 //
-// One invocation per strand, until frames, strains, pins and contacts have settled. It runs on in a frozen step, in which nothing that it
-// writes is committed: whether a step is frozen stands in a ninth buffer, and WebGPU's default allows eight.
+// One invocation per strand, until frames, strains, pins and contacts have settled. It runs on in a frozen step, in
+// which nothing that it writes is committed: whether a step is frozen stands in a ninth buffer, and WebGPU's default
+// allows eight.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, integration::response, pi::PI,
     quaternion::{product, conjugate, rotate, rotation, rotation_vector, tangent, matrix, turned_by},
@@ -56,8 +59,8 @@ fn pin_point(beyond: Beyond, point: RodPoint) -> Beyond {
     return sum;
 }
 
-// Tip to root, under the force that holds the strand at its pin and a change of it, which counts for no tension. `steep` takes all of a
-// segment's force for its tension, which is more than there is.
+// Tip to root, under the force that holds the strand at its pin and a change of it, which counts for no tension.
+// `steep` takes all of a segment's force for its tension, which is more than there is.
 fn eliminate(strand: Strand, rod: RodStrand, change: vec3f) -> Eliminated {
     let last = strand.points - 2u;
     var holds = false;
@@ -130,7 +133,8 @@ fn eliminate(strand: Strand, rod: RodStrand, change: vec3f) -> Eliminated {
     return Eliminated(root_move, change + applied(inverse_of(beyond.give), pinned.displacement - pinned.pin - beyond.given));
 }
 
-// How a joint turns less, and a segment gives, in the Newton step, by the turn before and the move of the segment's first point.
+// How a joint turns less, and a segment gives, in the Newton step, by the turn before and the move of the segment's
+// first point.
 fn bend_of(factor: Factor, turn: vec3f, shift: vec3f) -> vec3f {
     return factor.bend.constant + factor.bend.by_own * turn + factor.bend.by_other * shift;
 }
@@ -138,7 +142,8 @@ fn stretch_of(factor: Factor, turn: vec3f, shift: vec3f) -> vec3f {
     return factor.stretch.constant + factor.stretch.by_other * turn + factor.stretch.by_own * shift;
 }
 
-// Part of the Newton step that a strand takes that is held beside its root: joints that are cut by themselves would lead the pin's point away.
+// Part of the Newton step that a strand takes that is held beside its root: joints that are cut by themselves would
+// lead the pin's point away.
 fn part_of(strand: Strand, root_move: vec3f) -> f32 {
     var most = 0.0;
     var shift = root_move;
@@ -192,8 +197,8 @@ fn substitute(strand: Strand, rod: RodStrand, root_move: vec3f, part: f32) -> f3
     return most;
 }
 
-// Hair that comes out of a body goes its way through the step, beside that of its root, only in part, so that no point of it is faster than
-// RECOVERY: all frames turn by that part.
+// Hair that comes out of a body goes its way through the step, beside that of its root, only in part, so that no point
+// of it is faster than RECOVERY: all frames turn by that part.
 fn crawl(strand: Strand, rod: RodStrand) {
     let root = rod_points[strand.first_point].displacement;
     var far = 0.0;
@@ -216,7 +221,8 @@ fn crawl(strand: Strand, rod: RodStrand) {
     }
 }
 
-// A strand that nothing holds keeps its momentum to rounding. What is left of the way to a tip that is held is spread over the points.
+// A strand that nothing holds keeps its momentum to rounding. What is left of the way to a tip that is held is spread
+// over the points.
 fn finish(strand: Strand, rod: RodStrand, touches: bool) {
     let last = strand.first_point + strand.points - 1u;
     var shift = vec3f(0.0);    // m, of all points,

@@ -1,7 +1,8 @@
-// Hair goes where its rods took it, with the velocity of that move; and the health of each strand: stretch is recorded, over-strain and rest
-// are counted, steps on end. A strand that is not finite, or of which a segment has become a thousand times too long, is held where it was
-// for this step, so that it spoils no neighbour, and is reset in the next. If nobody looked at the strands when the step began, it may have
-// been lost already: the step freezes, and is taken again with the passes that recover strands.
+// Hair goes where its rods took it, with the velocity of that move; and the health of each strand: stretch is recorded,
+// over-strain and rest are counted, steps on end. A strand that is not finite, or of which a segment has become a
+// thousand times too long, is held where it was for this step, so that it spoils no neighbour, and is reset in the
+// next. If nobody looked at the strands when the step began, it may have been lost already: the step freezes, and is
+// taken again with the passes that recover strands.
 import package::common::{
     params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, integration::{KINEMATIC, rate}, place::placed,
     rest::{RESTING_STEPS, STILL_TURN}, validity::FAR,
@@ -19,8 +20,9 @@ import package::common::{
 @group(0) @binding(7) var<storage, read_write> predicted:    array<vec4f>;
 @group(0) @binding(8) var<storage, read_write> new_velocity: array<vec4f>;
 
-// Where it became still when the step began: by then contacts and viscosity have had their say. With the model PARTICLES, whose
-// pushes nothing remembers, it must not be pushed either. A strand that nothing holds may drift as slowly as it will.
+// Where it became still when the step began: by then contacts and viscosity have had their say. With the model
+// PARTICLES, whose pushes nothing remembers, it must not be pushed either. A strand that nothing holds may drift as
+// slowly as it will.
 fn resting(strand: Strand, own: Stretch) -> bool {
     if (strand.joints & ROOT_HELD) == 0u { return false; }
     for (var k = own.begin; k < own.end; k++) {
@@ -73,8 +75,8 @@ fn hold(strand: Strand, own: Stretch) {
     }
 }
 
-// A strand that was still for so many steps on end takes what acts on it from outside as a mean over them, or over the last RESTING_STEPS: it
-// trembles, and so does its drag. From a step in which it was not still it may become so.
+// A strand that was still for so many steps on end takes what acts on it from outside as a mean over them, or over the
+// last RESTING_STEPS: it trembles, and so does its drag. From a step in which it was not still it may become so.
 fn rest(strand: Strand, own: Stretch, steps: u32) {
     let part = 1.0 - 1.0 / f32(clamp(steps, 1u, RESTING_STEPS));
     for (var k = own.begin; k < own.end; k++) {

@@ -1,4 +1,5 @@
-// Counts the particles of each cell, and gives each of them a place in its cell, in any order: the first part of a counting sort.
+// Counts the particles of each cell, and gives each of them a place in its cell, in any order: the first part of a
+// counting sort.
 import package::common::{params::params, dispatch::{invocation, WORKGROUP}, cells::bucket_of, status::frozen};
 
 @group(0) @binding(2) var<storage, read>       predicted:  array<vec4f>;

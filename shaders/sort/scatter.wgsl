@@ -1,4 +1,5 @@
-// Puts every particle into its cell's entries, at the place that `sort/count` gave it; `sort/order` makes the order the same every time.
+// Puts every particle into its cell's entries, at the place that `sort/count` gave it; `sort/order` makes the order the
+// same every time.
 import package::common::{params::params, dispatch::{invocation, WORKGROUP}, cells::bucket_of, status::frozen};
 
 @group(0) @binding(2) var<storage, read>       predicted:  array<vec4f>;

@@ -1,11 +1,11 @@
 //! The WGSL of windswept: linked and validated at build time, with what Rust needs to know of it.
 //!
-//! The build writes everything here from the WGSL, in modules that mirror its folders and files. A pass is one file, say
-//! `shaders/rods/solve.wgsl`, and a static, [`rods::SOLVE`]; the structs and constants of `shaders/common/rod.wgsl`
+//! The build writes everything here from the WGSL, in modules that mirror its folders and files. A pass is one file,
+//! say `shaders/rods/solve.wgsl`, and a static, [`rods::SOLVE`]; the structs and constants of `shaders/common/rod.wgsl`
 //! are in [`common::rod`]. The linked texts are kept, readable, in the build's output folder.
 
-/// A pipeline-overridable constant that says whether a scene has something. It is set when a pipeline is made, so that a scene without it
-/// has passes without a trace of it: some adapters run both sides of every branch, and compile both.
+/// A pipeline-overridable constant that says whether a scene has something. It is set when a pipeline is made, so that
+/// a scene without it has passes without a trace of it: some adapters run both sides of every branch, and compile both.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Switch {
     /// A body (`shaders/common/body.wgsl`).
@@ -40,8 +40,8 @@ pub struct Pass {
     pub source: &'static str,
     /// The text for devices without subgroups of at least eight lanes, where `source` has subgroup operations.
     pub source_without_subgroups: Option<&'static str>,
-    /// The text for software adapters, with subgroup operations: some of what the pass only reads lies in uniforms and read-only storage
-    /// textures there, and uniforms are read before all else.
+    /// The text for software adapters, with subgroup operations: some of what the pass only reads lies in uniforms and
+    /// read-only storage textures there, and uniforms are read before all else.
     pub source_for_software: &'static str,
     /// Switches that the text has.
     pub switches: &'static [Switch],
@@ -55,8 +55,9 @@ pub struct Pass {
     pub bindings: &'static [Binding],
 }
 
-/// How many invocations share the work of one that a step asks for, in each text of a pass: that for a strand, a row of cells or a block of
-/// nodes (`shaders/common/share.wgsl`), or for a point of hair among its neighbours (`shaders/common/clusters.wgsl`). 1 in most.
+/// How many invocations share the work of one that a step asks for, in each text of a pass: that for a strand, a row of
+/// cells or a block of nodes (`shaders/common/share.wgsl`), or for a point of hair among its neighbours
+/// (`shaders/common/clusters.wgsl`). 1 in most.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Shares {
     /// In [`Pass::source`].
@@ -67,8 +68,8 @@ pub struct Shares {
     pub in_software: u32,
 }
 
-/// Operations on floats of an invocation of a pass: additions, multiplications, divisions, comparisons, roots and other functions, per
-/// component, as the text has them, and of the two ways of a branch the longer one.
+/// Operations on floats of an invocation of a pass: additions, multiplications, divisions, comparisons, roots and other
+/// functions, per component, as the text has them, and of the two ways of a branch the longer one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Operations {
     /// Outside of the loop over neighbours.

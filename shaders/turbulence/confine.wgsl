@@ -4,7 +4,8 @@
 //   a_i = S |u_i| max(0, 1 - |u_i|^2/u_max^2) (N x omega_i),  u_max = min(I U, h/dt) (`Band.largest_speed`): steps resolve no faster eddies
 //   as printed (eqs. 2, 4): a_i = epsilon 1/2 m |u_i|^2 (N x omega_i) in mg, mm, s; omega of v, hair in the sum
 //
-// The printed law adds dt a. A band adds, along N x omega, what |u| would gain if N x omega lay along u and stayed so: by
+// The printed law adds dt a. A band adds, along N x omega, what |u| would gain if N x omega lay along u and stayed so:
+// by
 // |u|' = S |N x omega| |u| (1 - |u|^2/u_max^2) in closed form, at most |u|/2. So no step takes a particle past u_max.
 import package::common::{
     params::params, dispatch::WORKGROUP, cells::is_air, status::{count_step, CONFINEMENT_LIMITED}, lanes::Near,
@@ -52,8 +53,8 @@ fn change(i: u32, left: f32) -> vec3f {
     return left * min(gain, largest) * speed / turning * along;
 }
 
-// Growth u/u_0 - 1 by u' = rate u (1 - u^2) in a time of 1, from u_0 = `part`; 0 where that is 1 or more. With
-// y = (1 - u_0^2) (1 - e^(-2 rate)) it is (1 - y)^(-1/2) - 1, written without a difference of two numbers that are nearly alike.
+// Growth u/u_0 - 1 by u' = rate u (1 - u^2) in a time of 1, from u_0 = `part`; 0 where that is 1 or more. With y = (1 -
+// u_0^2) (1 - e^(-2 rate)) it is (1 - y)^(-1/2) - 1, written without a difference of two numbers that are nearly alike.
 fn growth(part: f32, rate: f32) -> f32 {
     let x = 2.0 * rate;
     let spent = select(1.0 - exp(-x), x * (1.0 - x * (0.5 - x / 6.0)), x < 0.02);

@@ -1,5 +1,5 @@
-// Carries what the filter sums to the nodes of its grid, D, and the volume with it. Particles are sorted into the cells between the
-// nodes.
+// Carries what the filter sums to the nodes of its grid, D, and the volume with it. Particles are sorted into the cells
+// between the nodes.
 import package::common::{
     dispatch::{invocation, WORKGROUP}, status::frozen, mesh::node_index, deposit::{mesh, block_of, deposit, Part, BLOCK},
     share::{SHARE, item_of, lane_of_item}, smoothing::next4,
@@ -31,8 +31,8 @@ fn add(along: vec4f, across: vec4f) {
     sum_11 += across.y * across.w * part;
 }
 
-// Eight that share a block add up what they have. Each gives away half of its sums three times, and keeps those of two nodes, which the
-// bits of its number name: the half of a row, y, z.
+// Eight that share a block add up what they have. Each gives away half of its sums three times, and keeps those of two
+// nodes, which the bits of its number name: the half of a row, y, z.
 @if(subgroups && !software)
 fn write(block: vec3i, nodes: vec3i, worker: u32) {
     let own = vec3<bool>((vec3u(worker) & vec3u(1u, 2u, 4u)) != vec3u(0u));

@@ -2,8 +2,8 @@
 //
 //   G = g * D,  C = g'' * D
 //
-// g and g'' are taps of the periodic Gaussian and of its second derivative, with the blur of deposit and gather along the
-// axis taken out. After y and z, C is the Laplacian of the smoothed deposit.
+// g and g'' are taps of the periodic Gaussian and of its second derivative, with the blur of deposit and gather along
+// the axis taken out. After y and z, C is the Laplacian of the smoothed deposit.
 import package::common::{
     dispatch::{invocation, WORKGROUP}, status::frozen, mesh::Mesh, smoothing::{ROW, end_of_taps, moved, spread, spread3, next4, next3},
 };

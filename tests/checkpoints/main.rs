@@ -1,5 +1,5 @@
-//! Checkpoints: a simulation that was saved goes on with the same bits, nothing that lasts is missing, and a file that is not whole is
-//! refused.
+//! Checkpoints: a simulation that was saved goes on with the same bits, nothing that lasts is missing, and a file that
+//! is not whole is refused.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod refused;
@@ -44,8 +44,8 @@ const BALL: &str = "body=[{ name = 'ball', shape = 'sphere', center = [0.03, 0.0
 
 const TURN: &str = "hair.fringe.motion=[{ time = 0.01 }, { time = 0.05, rotation = [0.0, 0.5, 0.0] }]";
 
-/// Names of kinds of scenes, and what makes them of [`SMALL`]. Together they have every solver, model and law, and every buffer that
-/// lasts in use.
+/// Names of kinds of scenes, and what makes them of [`SMALL`]. Together they have every solver, model and law, and
+/// every buffer that lasts in use.
 const KINDS: [(&str, &[&str]); 9] = [
     ("two-way, divergence", &[]),
     (
@@ -100,7 +100,8 @@ fn sections(bytes: &[u8]) -> Vec<(String, &[u8])> {
     all
 }
 
-/// Saves and loads `simulation`, and steps both: they have the same bits, in every buffer that lasts, now and after each of 20 steps.
+/// Saves and loads `simulation`, and steps both: they have the same bits, in every buffer that lasts, now and after
+/// each of 20 steps.
 fn goes_on(simulation: &mut Simulation, name: &str) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("now.windswept");
@@ -191,7 +192,8 @@ fn who_sleeps_sleeps_on() {
     assert_eq!(slept, 12 * 2 * 21, "all strands sleep through 21 steps of two substeps");
 }
 
-/// A simulation that is driven by its caller: roots, wind, hair and air. What was set and has not acted yet is saved too.
+/// A simulation that is driven by its caller: roots, wind, hair and air. What was set and has not acted yet is saved
+/// too.
 #[test]
 fn what_was_set_is_saved() {
     let gusts = KINDS[1].1;
@@ -266,7 +268,8 @@ fn the_next_failure_of_air_is_named() {
     assert_eq!(spoil(&mut again, 90), 90);
 }
 
-/// A simulation whose neighbour list has grown goes on although a new one has a shorter list, which freezes its first step.
+/// A simulation whose neighbour list has grown goes on although a new one has a shorter list, which freezes its first
+/// step.
 #[test]
 fn a_list_that_has_grown_grows_again() {
     let scene = scene(&["fluid.solver=pbf", "air.wind=[0.0, 0.0, 0.0]"]);
@@ -283,8 +286,8 @@ fn a_list_that_has_grown_grows_again() {
     goes_on(&mut simulation, "grown");
 }
 
-/// What a step reads before any of its passes has written it, and what some pass writes, carries something from one step to the next:
-/// it is declared to last. So is what the host writes between steps.
+/// What a step reads before any of its passes has written it, and what some pass writes, carries something from one
+/// step to the next: it is declared to last. So is what the host writes between steps.
 #[test]
 fn what_a_step_reads_from_the_one_before_is_declared_to_last() {
     for (name, sets) in KINDS {
@@ -317,8 +320,8 @@ fn what_a_step_reads_from_the_one_before_is_declared_to_last() {
     }
 }
 
-/// No buffer is saved in vain, and the tests above would miss none of them: in some kind of scene a simulation that goes on without what it
-/// holds has other bits.
+/// No buffer is saved in vain, and the tests above would miss none of them: in some kind of scene a simulation that
+/// goes on without what it holds has other bits.
 #[test]
 fn what_is_saved_is_needed() {
     let cases = KINDS.into_iter().chain([WOKEN]).map(|(name, sets)| {

@@ -10,8 +10,8 @@ use windswept_scene::{Curves, Scene};
 
 use super::{BALL, TURN, push, scene, sections, support, with_section};
 
-/// Whatever stands in a section, with checksums that fit: an error or a simulation, and no panic. Every section is spoiled, in its length, in
-/// single bytes and in runs of them.
+/// Whatever stands in a section, with checksums that fit: an error or a simulation, and no panic. Every section is
+/// spoiled, in its length, in single bytes and in runs of them.
 #[test]
 fn no_content_is_a_panic() {
     let mut simulation = Simulation::new(&support::gpu(), &scene(&[BALL, TURN])).unwrap();
@@ -56,8 +56,8 @@ fn no_content_is_a_panic() {
     assert!(refused > 0 && taken > 0);
 }
 
-/// What a step takes as it finds it is refused where it is no number, no rotation or no particle, by the file and the section: a step
-/// would not look at it.
+/// What a step takes as it finds it is refused where it is no number, no rotation or no particle, by the file and the
+/// section: a step would not look at it.
 #[test]
 fn what_a_step_does_not_look_at_is_refused() {
     let free = "hair.fringe.root=free";
@@ -87,8 +87,8 @@ fn what_a_step_does_not_look_at_is_refused() {
     }
 }
 
-/// A file that is cut off, has a flipped bit, goes on behind its end, is another file or of a newer version is refused, with its name, what is
-/// wrong and where.
+/// A file that is cut off, has a flipped bit, goes on behind its end, is another file or of a newer version is refused,
+/// with its name, what is wrong and where.
 #[test]
 fn what_is_not_whole_is_refused() {
     let mut simulation = Simulation::new(&support::gpu(), &scene(&[])).unwrap();
@@ -154,7 +154,8 @@ fn block(edge: f64) -> String {
     (0..8).map(corner).collect::<String>() + faces
 }
 
-/// A checkpoint has no meshes and no groom files, only where they are: with others it would go on to something else, and is refused.
+/// A checkpoint has no meshes and no groom files, only where they are: with others it would go on to something else,
+/// and is refused.
 #[test]
 fn a_file_that_has_changed_is_named() {
     let folder = tempfile::tempdir().unwrap();

@@ -184,8 +184,8 @@ fn commit_wraps_air_and_counts_the_step() {
     }
 }
 
-/// A strand of which a position or a velocity is lost ends the step where it was, at rest, is counted once and is flagged for its reset.
-/// Without the pass that holds it the step is not committed.
+/// A strand of which a position or a velocity is lost ends the step where it was, at rest, is counted once and is
+/// flagged for its reset. Without the pass that holds it the step is not committed.
 #[test]
 fn hold_keeps_strands_that_are_lost() {
     for n in support::SIZES.into_iter().filter(|n| *n >= 9) {
@@ -233,16 +233,17 @@ fn hold_keeps_strands_that_are_lost() {
     }
 }
 
-/// Air that is not finite, too many strands that are not, a list that is too short: what freezes one freezes the other, for the
-/// same causes, and nothing is committed. As many bad strands as may be do not. Hair outside the box is counted.
+/// Air that is not finite, too many strands that are not, a list that is too short: what freezes one freezes the other,
+/// for the same causes, and nothing is committed. As many bad strands as may be do not. Hair outside the box is
+/// counted.
 #[test]
 fn check_is_that_of_the_reference() {
     for n in support::SIZES {
         let initial = support::particles(n, n / 3, support::Layout::Random, 10);
         let (strands, air) = (initial.hair.len(), initial.air.positions.len());
         let limit = commit::failed_strand_limit(strands);
-        // Particle of air whose position is lost; one with a velocity that no particle can have, or that it just can have; number of
-        // strands that are lost; whether the list is too short.
+        // Particle of air whose position is lost; one with a velocity that no particle can have, or that it just can
+        // have; number of strands that are lost; whether the list is too short.
         let cases = [
             (None, None, 0, false),
             (Some(air / 2), None, 0, false),

@@ -128,7 +128,8 @@ fn contacts_apart(a: &Contact, b: &contact::Contact, give: f64) -> f64 {
     forces.max((f64::from(a.before) - b.before).abs())
 }
 
-/// How strands of the engine stand to bodies: whether they may meet one, whether one wakes them, their embedded points, and whether they come out.
+/// How strands of the engine stand to bodies: whether they may meet one, whether one wakes them, their embedded points,
+/// and whether they come out.
 fn stood(fixture: &Fixture) -> Vec<[u32; 4]> {
     fixture.rod_strands().iter().map(|rod| [rod.meets, rod.woken, rod.embedded, rod.comes_out]).collect()
 }
@@ -158,7 +159,8 @@ fn body(shape: Shape, keyframes: &[(f64, [f64; 3], [f64; 3])]) -> Body {
     Body { name: "body".into(), shape, friction: 0.4, motion }
 }
 
-/// Scene of a sphere at rest, a capsule that tumbles by, a thin one that rests askew and a sphere that overlaps the first.
+/// Scene of a sphere at rest, a capsule that tumbles by, a thin one that rests askew and a sphere that overlaps the
+/// first.
 fn scene() -> Scene {
     let bone = |start, end, radius| Shape::Capsule { start, end, radius };
     let tumble = [(0.001, [0.0; 3], [1.0, 0.0, 0.0]), (0.02, [0.01, -0.004, 0.008], [1.0, 1.2, -0.8])];
@@ -228,7 +230,8 @@ fn place_is_that_of_the_reference() {
     assert!(worst < 3e-7 && slowest < 2e-7, "{worst} {slowest}");
 }
 
-/// Strands of two segments in any place and motion, some asleep, lost or sent far away, with memories of any contact: how they stand to bodies.
+/// Strands of two segments in any place and motion, some asleep, lost or sent far away, with memories of any contact:
+/// how they stand to bodies.
 #[test]
 fn begin_is_that_of_the_reference() {
     let scenes = [scene(), meshes()];
@@ -298,7 +301,8 @@ fn begin_is_that_of_the_reference() {
             got.len()
         );
         assert_eq!(differing(&stood(&fixture), &stands), 0.0, "{n}, step {steps}");
-        // Measured 4.2e-7 m (far from a mesh), 2.6e-4 (normals change from cell to cell of a mesh) and 1.9e-5, and none astray; margin 4.
+        // Measured 4.2e-7 m (far from a mesh), 2.6e-4 (normals change from cell to cell of a mesh) and 1.9e-5, and none
+        // astray; margin 4.
         let within = errors.iter().zip([1.7e-6, 1.1e-3, 8e-5]).all(|(error, bound)| *error < bound);
         assert!(within && 1000 * astray <= got.len(), "{n}, step {steps}: {errors:?}, {astray} astray");
         assert!(n < 63 || counts.iter().all(|count| *count > 0), "{n}, step {steps}: {counts:?}");
@@ -307,8 +311,8 @@ fn begin_is_that_of_the_reference() {
     }
 }
 
-/// Bodies in the midst of the four groups of `hair::scene_with`: a ball, one that comes along, a capsule that tumbles, and a thin one with a
-/// ball over roots.
+/// Bodies in the midst of the four groups of `hair::scene_with`: a ball, one that comes along, a capsule that tumbles,
+/// and a thin one with a ball over roots.
 fn among_strands(speed: f64) -> Vec<Body> {
     let at = |group: f64, x: f64, y: f64| [x, 0.1 + y, group];
     let comes = [(0.0, [0.0; 3], [0.0; 3]), (0.1, [0.0, 0.1 * speed, 0.03 * speed], [0.0; 3])];
@@ -323,8 +327,8 @@ fn among_strands(speed: f64) -> Vec<Body> {
     ]
 }
 
-/// Strands that fall and are thrown among bodies, step after step: contacts, moves, frames and what lasts. Rounding decides where
-/// some strands go, one in thirty at most: whether they touch, slide or take a Newton step more.
+/// Strands that fall and are thrown among bodies, step after step: contacts, moves, frames and what lasts. Rounding
+/// decides where some strands go, one in thirty at most: whether they touch, slide or take a Newton step more.
 #[test]
 fn rods_among_bodies_are_those_of_the_reference() {
     for n in [1, 65, 700] {
@@ -379,8 +383,9 @@ fn rods_among_bodies_are_those_of_the_reference() {
     }
 }
 
-/// Bounds of moves \[m\], frames, strains \[m\] and contacts \[m\] of strands among bodies. Where rounding decides nothing they were measured
-/// 9e-7, 1.2e-4, 1.3e-9 and 6e-7 off; it is said to decide where they are exceeded, as in 18 of 45 960 solves.
+/// Bounds of moves \[m\], frames, strains \[m\] and contacts \[m\] of strands among bodies. Where rounding decides
+/// nothing they were measured 9e-7, 1.2e-4, 1.3e-9 and 6e-7 off; it is said to decide where they are exceeded, as in 18
+/// of 45 960 solves.
 const AMONG_BODIES: [f64; 4] = [4e-6, 1.4e-3, 1.6e-8, 2e-5];
 
 fn told<const N: usize>(numbers: [f64; N]) -> String {

@@ -223,8 +223,8 @@ pub struct Passes<'a> {
 }
 
 impl Passes<'_> {
-    /// Runs what is left of the fragment up to the next runs of `pass` that have one label, and these. Says whether there were any; if
-    /// there are none, nothing runs.
+    /// Runs what is left of the fragment up to the next runs of `pass` that have one label, and these. Says whether
+    /// there were any; if there are none, nothing runs.
     pub fn through(&mut self, pass: &str) -> bool {
         let Some(first) = self.commands.iter().position(|command| command.pass.name == pass) else { return false };
         let label = self.commands[first].label;
@@ -255,8 +255,8 @@ pub fn condition(s: &Reference, strand: usize) -> Condition {
     }
 }
 
-/// Crowds that passes over particles are tried on: layouts and shares of hair, for each of the awkward sizes. Hair alone never
-/// meets (`rods/solve.rs` has it); the largest size in one cell would be 2e8 pairs.
+/// Crowds that passes over particles are tried on: layouts and shares of hair, for each of the awkward sizes. Hair
+/// alone never meets (`rods/solve.rs` has it); the largest size in one cell would be 2e8 pairs.
 pub fn crowds() -> impl Iterator<Item = (String, InitialState)> {
     let cases = |n: usize| {
         let spread =

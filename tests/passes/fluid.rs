@@ -322,8 +322,8 @@ impl Walk<'_> {
         self.pushed("fluid/coarse_push", w, hair)
     }
 
-    /// Multiplier that a density error of 1 % asks for where air is nearly at rest density \[kg m²\]: the softening is a
-    /// thousandth of the lattice's gradients.
+    /// Multiplier that a density error of 1 % asks for where air is nearly at rest density \[kg m²\]: the softening is
+    /// a thousandth of the lattice's gradients.
     fn of_one_percent(&self) -> f64 {
         1e-2 * 1e-3 / self.p().density_softening.max(f64::MIN_POSITIVE)
     }

@@ -160,8 +160,8 @@ pub fn drives_apart(fixture: &Fixture, w: &Scratch) -> (f64, f64, usize) {
     (moves, frames.max(turns), states)
 }
 
-/// The host moves roots: some stay, some move and turn in this step or over three substeps, some only turn, some jump; free roots go
-/// where they will, and strands that are held at both ends do not jump.
+/// The host moves roots: some stay, some move and turn in this step or over three substeps, some only turn, some jump;
+/// free roots go where they will, and strands that are held at both ends do not jump.
 #[test]
 fn roots_are_those_of_the_reference() {
     for n in support::SIZES {
@@ -199,9 +199,9 @@ fn roots_are_those_of_the_reference() {
     }
 }
 
-/// Strands that their step left bad, or that are invalid when it begins, start it from their rest shape, at rest and with no memory; a
-/// tip that is held stays, a root that nothing holds stays where it drifted to. The others keep their bits. What was bad before is
-/// counted already. A step that froze does the same again.
+/// Strands that their step left bad, or that are invalid when it begins, start it from their rest shape, at rest and
+/// with no memory; a tip that is held stays, a root that nothing holds stays where it drifted to. The others keep their
+/// bits. What was bad before is counted already. A step that froze does the same again.
 #[test]
 fn reset_is_that_of_the_reference() {
     for n in support::SIZES {
@@ -339,8 +339,8 @@ fn drift_is_free_and_damped() {
     }
 }
 
-/// The table of the mean wind, and what the fringe makes of it: any direction, gusts that turn the wind round, turbulence
-/// that it brings in, at any step of a run.
+/// The table of the mean wind, and what the fringe makes of it: any direction, gusts that turn the wind round,
+/// turbulence that it brings in, at any step of a run.
 #[test]
 fn fringe_is_that_of_the_reference() {
     let turning = vec![

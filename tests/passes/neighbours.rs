@@ -1,5 +1,5 @@
-//! Stage `neighbours`: the passes that sort particles into cells and list who is near whom. Every pass takes what the engine's pass
-//! before it left; who is near whom is held against the reference.
+//! Stage `neighbours`: the passes that sort particles into cells and list who is near whom. Every pass takes what the
+//! engine's pass before it left; who is near whom is held against the reference.
 
 use glam::{DVec3, IVec3, Vec3};
 use windswept::{
@@ -167,8 +167,8 @@ impl Walk<'_> {
         Ok(())
     }
 
-    /// Largest distance from the kernel radius of a pair that only engine or only reference lists \[m\]: of pairs at the radius itself
-    /// rounding decides. A list that does not hold to its layout is infinitely far off.
+    /// Largest distance from the kernel radius of a pair that only engine or only reference lists \[m\]: of pairs at
+    /// the radius itself rounding decides. A list that does not hold to its layout is infinitely far off.
     fn pairs_apart(&self, w: &Scratch) -> f64 {
         let (engine, p) = (&self.fixture.engine, self.p());
         let clusters = engine.clusters().unwrap();
@@ -190,8 +190,8 @@ impl Walk<'_> {
         off
     }
 
-    /// Largest difference between where a particle sees another of its list, by the image that the entry names, and where the reference has
-    /// the nearest one \[m\].
+    /// Largest difference between where a particle sees another of its list, by the image that the entry names, and
+    /// where the reference has the nearest one \[m\].
     fn images_apart(&self, clusters: &[Cluster], x: &[DVec3]) -> f64 {
         let p = self.p();
         let seen = clusters.iter().flat_map(|cluster| {
@@ -216,7 +216,8 @@ fn each_once(clusters: &[Cluster], particles: usize) -> bool {
     all == (0..particles as u32).collect::<Vec<_>>()
 }
 
-/// Whether a cluster is of one kind, and its list has those of its own kind first; unless the model is `two-way` all are one kind there.
+/// Whether a cluster is of one kind, and its list has those of its own kind first; unless the model is `two-way` all
+/// are one kind there.
 fn of_kinds(p: &Parameters, cluster: &Cluster) -> bool {
     let air = p.is_air(cluster.particles[0] as usize);
     let is = |near: &Seen, kind: bool| p.is_air(near.index as usize) == kind;
@@ -313,8 +314,8 @@ fn pairs_on(gpu: &Gpu, sizes: &[usize]) {
     }
 }
 
-/// What the pass keeps of a neighbour counts up to 524288 particles of a row of cells. With more the step says so, and lists nobody in
-/// another's place.
+/// What the pass keeps of a neighbour counts up to 524288 particles of a row of cells. With more the step says so, and
+/// lists nobody in another's place.
 #[test]
 fn a_row_of_too_many_particles_is_an_error() {
     let pass = &shaders::neighbours::LIST;

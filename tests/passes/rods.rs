@@ -254,7 +254,8 @@ fn forces_on_hair_are_those_of_the_reference() {
     }
 }
 
-/// Drag and lift of segments in any posture and motion, at 1000 m/s without a direction; with air particles outside the box only.
+/// Drag and lift of segments in any posture and motion, at 1000 m/s without a direction; with air particles outside the
+/// box only.
 #[test]
 fn drag_is_that_of_the_reference() {
     for (model, lift, speed) in [

@@ -30,7 +30,8 @@ const SMALL: &[&str] = &[
     "air.fringe=0.03",
     // In a smooth wind.
     "turbulence={bands=[{scale=0.006,strength=3,intensity=0.3}]}",
-    // One Newton step: a strand that has settled just about would take one more on one of the two (`rods/solve.rs` has more).
+    // One Newton step: a strand that has settled just about would take one more on one of the two (`rods/solve.rs` has
+    // more).
     "rods.newton=1",
     "interaction.model=particles",
     "fluid.solver=pbf",
@@ -99,8 +100,8 @@ pub const PRESSED_HAIR: &[&str] = &[
     "viscosity.smagorinsky=1.0",
     "hair.motion=[{time=0,rotation=[0,1,0]},{time=0.008,translation=[0,0.003,0],rotation=[0.1,1.2,0]}]",
 ];
-/// Settings with hair that is lighter than a tenth of the air whose room it takes, and carries air along; its points are nearer to one
-/// another than particles of air.
+/// Settings with hair that is lighter than a tenth of the air whose room it takes, and carries air along; its points
+/// are nearer to one another than particles of air.
 pub const LIGHT_HAIR: &[&str] =
     &["fluid.solver=divergence", "turbulence={bands=[]}", "hair.point_mass=1e-9", "hair.points=25"];
 /// Settings with hair alone, solved by Gauss-Seidel.
@@ -200,23 +201,25 @@ fn steps_of_both(gpu: &Gpu, sets: &[&str], bounds: &Bounds, steps: u32) -> Resul
 const STEPS: u32 = 6;
 /// Steps of a scene with hair and air that exchange drag.
 const STEPS_OF_COUPLING: u32 = 10;
-/// Steps of a scene with bodies: what they press hair against, and where it slips, makes more of rounding with each step. Velocities
-/// were measured 1.4e-4 m/s off.
+/// Steps of a scene with bodies: what they press hair against, and where it slips, makes more of rounding with each
+/// step. Velocities were measured 1.4e-4 m/s off.
 const STEPS_OF_BODIES: u32 = 4;
 /// Steps of a scene with strands that are held at both ends, which make more of rounding with each step.
 const STEPS_OF_TAUT_HAIR: u32 = 3;
-/// Steps of a scene with a thin body: in the fourth a segment is in its middle, and rounding decides to which side it goes.
+/// Steps of a scene with a thin body: in the fourth a segment is in its middle, and rounding decides to which side it
+/// goes.
 const STEPS_OF_THIN_BODY: u32 = 3;
-/// Steps of a scene with force fields in air: they stir it so that rounding grows, and after eight steps the vorticity was 1.4e-2 1/s off.
+/// Steps of a scene with force fields in air: they stir it so that rounding grows, and after eight steps the vorticity
+/// was 1.4e-2 1/s off.
 const STEPS_OF_FIELDS: u32 = 6;
-/// Steps of a scene with force fields and solver `pbf`: in the fifth a pair is a kernel radius apart to 1.4e-10 m, and rounding decides
-/// whether it is in the list. It then moves by more within the step.
+/// Steps of a scene with force fields and solver `pbf`: in the fifth a pair is a kernel radius apart to 1.4e-10 m, and
+/// rounding decides whether it is in the list. It then moves by more within the step.
 const STEPS_OF_FIELDS_BEHIND_HAIR: u32 = 4;
 
-/// Bounds of six steps of the scenes below. Differences were measured at most 1.0e-7 m (4.1e-8 m of moves of hair), 4.6e-5 m/s
-/// (1.5e-6 m/s of what wind and forces add), 4.7e-6 of frames, 3.0e-3 1/s of spins and 5.8e-6 of densities; in parts of the
-/// largest 3.6e-4 of multipliers (the largest is at least that of an error of 1 %) and 3.0e-4 of nodes (in air that is still
-/// nearly uniform). The margin is 4.
+/// Bounds of six steps of the scenes below. Differences were measured at most 1.0e-7 m (4.1e-8 m of moves of hair),
+/// 4.6e-5 m/s (1.5e-6 m/s of what wind and forces add), 4.7e-6 of frames, 3.0e-3 1/s of spins and 5.8e-6 of densities;
+/// in parts of the largest 3.6e-4 of multipliers (the largest is at least that of an error of 1 %) and 3.0e-4 of nodes
+/// (in air that is still nearly uniform). The margin is 4.
 pub const BOUNDS: Bounds = Bounds {
     length: 4e-7,
     hair: 1.6e-7,
@@ -229,8 +232,9 @@ pub const BOUNDS: Bounds = Bounds {
     nodes: 1.2e-3,
 };
 
-/// Bounds of a scene. What pressure does to air is felt by hair, and a gale makes more of rounding: the wind's part was measured 6.6e-6 m/s
-/// and 6.0e-5 m/s off. Strands that are held at both ends make more of it too: 1.1e-7 m, 8.3e-6 and 6.9e-3 1/s. The margin is 4.
+/// Bounds of a scene. What pressure does to air is felt by hair, and a gale makes more of rounding: the wind's part was
+/// measured 6.6e-6 m/s and 6.0e-5 m/s off. Strands that are held at both ends make more of it too: 1.1e-7 m, 8.3e-6 and
+/// 6.9e-3 1/s. The margin is 4.
 fn bounds(sets: &[&str]) -> Bounds {
     let wind = match sets {
         _ if sets.contains(&"fluid.solver=divergence") => 2.6e-5,
@@ -241,8 +245,8 @@ fn bounds(sets: &[&str]) -> Bounds {
     Bounds { wind, hair: held * BOUNDS.hair, frame: held * BOUNDS.frame, spin: held * BOUNDS.spin, ..BOUNDS }
 }
 
-/// Hair and air by both methods and filters, hair alone in either model, air alone, roots and bodies that move: engine and
-/// reference agree for six steps.
+/// Hair and air by both methods and filters, hair alone in either model, air alone, roots and bodies that move: engine
+/// and reference agree for six steps.
 #[test]
 fn steps_are_those_of_the_reference() {
     for sets in [
@@ -294,9 +298,9 @@ fn steps_are_those_of_the_reference() {
     }
 }
 
-/// GPUs run other variants of the passes: those with subgroup operations share strands, rows of cells and blocks of nodes among eight
-/// invocations, and clusters of hair among four times eight. Strands have fewer than eight points, as many, and more; boxes are smaller
-/// than what reaches a node.
+/// GPUs run other variants of the passes: those with subgroup operations share strands, rows of cells and blocks of
+/// nodes among eight invocations, and clusters of hair among four times eight. Strands have fewer than eight points, as
+/// many, and more; boxes are smaller than what reaches a node.
 #[test]
 fn steps_of_the_variants_for_gpus_are_those_of_the_reference() {
     let both =
@@ -324,8 +328,9 @@ fn once(text: &str) -> String {
     text.replace("quotient + fma(-quotient, vec3f(h), way) / h", "quotient")
 }
 
-/// A GPU with other shaders: quotients that a GPU divides twice are divided once, since on this adapter the second quotient, which a GPU's
-/// inexact one needs, is of what fma rounds twice; and these passes run their variant without subgroup operations.
+/// A GPU with other shaders: quotients that a GPU divides twice are divided once, since on this adapter the second
+/// quotient, which a GPU's inexact one needs, is of what fma rounds twice; and these passes run their variant without
+/// subgroup operations.
 fn divided_once(gpu: &Gpu, alone: &[&Pass]) -> Gpu {
     let other = |pass: &'static Pass| {
         let text = if alone.contains(&pass) { pass.source_without_subgroups.unwrap() } else { pass.source };
@@ -334,9 +339,9 @@ fn divided_once(gpu: &Gpu, alone: &[&Pass]) -> Gpu {
     with_sources(gpu, PASSES.into_iter().filter_map(other))
 }
 
-/// A software adapter reads from uniforms and textures what others read from storage buffers: the same bits. Passes whose invocations share
-/// a sum on a GPU add in another order there: they run their variant without subgroup operations. And quotients that a GPU divides twice are
-/// divided once.
+/// A software adapter reads from uniforms and textures what others read from storage buffers: the same bits. Passes
+/// whose invocations share a sum on a GPU add in another order there: they run their variant without subgroup
+/// operations. And quotients that a GPU divides twice are divided once.
 #[test]
 fn the_software_variant_changes_no_bit() {
     let gpu = support::gpu();
@@ -358,8 +363,8 @@ fn the_software_variant_changes_no_bit() {
     }
 }
 
-/// Eight invocations that share a strand let it sleep, wake, jump and start anew as one does that has it alone: the same bits. Where roots are
-/// held, the sums that they share decide only whether something pushes a strand.
+/// Eight invocations that share a strand let it sleep, wake, jump and start anew as one does that has it alone: the
+/// same bits. Where roots are held, the sums that they share decide only whether something pushes a strand.
 #[test]
 fn shared_strands_sleep_wake_and_start_anew_alike() {
     let gpu = support::gpu();
@@ -386,8 +391,9 @@ struct Counts {
     resets: u64,
 }
 
-/// What happens to strands that are straight and at rest: the tip of one is plucked and swings, the others fall asleep, the tip of another is pushed, a third is
-/// invalid, the root of a fourth jumps and that of a fifth moves a little, and the wind rises.
+/// What happens to strands that are straight and at rest: the tip of one is plucked and swings, the others fall asleep,
+/// the tip of another is pushed, a third is invalid, the root of a fourth jumps and that of a fifth moves a little, and
+/// the wind rises.
 fn life_of_strands(gpu: &Gpu, scene: &Scene) -> Vec<(Counts, Frame)> {
     let mut sim = Simulation::new(gpu, scene).unwrap();
     let hair = sim.initial().hair.clone();
@@ -426,8 +432,8 @@ fn life_of_strands(gpu: &Gpu, scene: &Scene) -> Vec<(Counts, Frame)> {
     told
 }
 
-/// The software variant reads uniforms in the first lines of the entry point only, before any branch, and no pass asks behind
-/// one whether the step is frozen.
+/// The software variant reads uniforms in the first lines of the entry point only, before any branch, and no pass asks
+/// behind one whether the step is frozen.
 #[test]
 fn uniforms_are_read_before_all_branches() {
     for pass in PASSES {

@@ -149,8 +149,8 @@ impl Walk<'_> {
         self.same(last, gap / unit, bound)
     }
 
-    /// Compares what the filter sums of each particle, in the order of the cells: the velocity about the wind and the volume, or as
-    /// printed the velocity.
+    /// Compares what the filter sums of each particle, in the order of the cells: the velocity about the wind and the
+    /// volume, or as printed the velocity.
     fn weighed(&mut self, sorted: &[u32], s: &Reference, w: &Scratch) -> Same {
         let (fixture, p) = (self.fixture, self.p());
         let published = fixture.plan.published_law;
@@ -240,8 +240,8 @@ fn stirred(positions: &[DVec3]) -> Vec<DVec3> {
     positions.iter().map(|x| (DVec3::X + eddy(x) + noise(&mut rng)).as_vec3().as_dvec3()).collect()
 }
 
-/// Compares the stage on engine and reference, pass by pass: each pass of the reference takes what the engine's pass before it
-/// left, so that an error is that pass's own.
+/// Compares the stage on engine and reference, pass by pass: each pass of the reference takes what the engine's pass
+/// before it left, so that an error is that pass's own.
 fn compare(law: Law, filter: Filter, bounds: [f64; 4]) {
     let mut worst = [0.0_f64; 4];
     // With the direct filter the reference looks at every pair and image: of the large crowds it has two.
@@ -329,8 +329,8 @@ fn the_band_law_on_a_grid_is_that_of_the_reference() {
     compare(Law::Band, Filter::Grid, [8e-6, 1.5e-5, 3.5e-3, 3.5e-4]);
 }
 
-/// A band's grid, pass by pass, each from what the engine's pass before it left. Particles near the faces stand outside the
-/// box by a little, as the density constraint leaves them.
+/// A band's grid, pass by pass, each from what the engine's pass before it left. Particles near the faces stand outside
+/// the box by a little, as the density constraint leaves them.
 #[test]
 fn the_grid_filter_is_that_of_the_reference() {
     let mut worst = [0.0_f64; 3];

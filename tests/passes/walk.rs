@@ -20,7 +20,8 @@ pub struct Bounds {
     pub frame: f64,
     /// Spins \[1/s\].
     pub spin: f64,
-    /// Densities ρ/ρ0, in parts of the largest if that is more than 1; stretches; S of the limiter, in parts of itself where it is more than 1.
+    /// Densities ρ/ρ0, in parts of the largest if that is more than 1; stretches; S of the limiter, in parts of itself
+    /// where it is more than 1.
     pub density: f64,
     /// Multipliers and shifts of the density constraint, in parts of the largest.
     pub multiplier: f64,
@@ -31,8 +32,8 @@ pub struct Bounds {
 /// Result of a comparison: an error names the pass where engine and reference part.
 pub type Same = Result<(), String>;
 
-/// Walk of engine and reference from the same state through a step: what every pass left is compared. Each stage's part of it
-/// stands in the file of the stage.
+/// Walk of engine and reference from the same state through a step: what every pass left is compared. Each stage's part
+/// of it stands in the file of the stage.
 pub struct Walk<'a> {
     pub fixture: &'a Fixture,
     pub bounds: &'a Bounds,

@@ -41,8 +41,8 @@ fn a_beam_keeps_time_and_energy() {
     assert!(drift.abs() < 0.01, "energy drifts by {drift} a second");
 }
 
-/// Clamped beams without weight and damping, of one γ, that begin to swing in their first mode, the tip by `amplitude` \[L\]; and the
-/// frequency of that \[Hz\].
+/// Clamped beams without weight and damping, of one γ, that begin to swing in their first mode, the tip by `amplitude`
+/// \[L\]; and the frequency of that \[Hz\].
 fn swinging(rods: &[Rod], step: f64, amplitude: f64) -> (Simulation, f64) {
     let (mut scene, mut initial) = build(rods, step, "sleep = false");
     scene.gravity = [0.0; 3];
@@ -62,8 +62,8 @@ fn swinging(rods: &[Rod], step: f64, amplitude: f64) -> (Simulation, f64) {
     (Simulation::with_state(&support::gpu(), &scene, initial).unwrap(), frequency)
 }
 
-/// Stiff beams of up to 1000 segments lose their swing as BDF2 damps it, by 0.2/s where one takes 34 steps: what f32 leaves of a step does not
-/// drive them.
+/// Stiff beams of up to 1000 segments lose their swing as BDF2 damps it, by 0.2/s where one takes 34 steps: what f32
+/// leaves of a step does not drive them.
 #[test]
 fn beams_of_many_segments_swing_no_wider() {
     let (step, segments) = (1.38e-3, [34, 68, 130, 300, 1000]);
@@ -251,7 +251,8 @@ fn keyframes_move_roots() {
             }
             let apart = (0..a.positions.len()).map(|i| (at(&a, i) - at(&b, i)).length()).fold(0.0, f64::max);
             worst = worst.max(apart);
-            // Measured 1.6e-7 m, with substeps 1.2e-6: frames turn steadily between keyframes, and so does a step's part.
+            // Measured 1.6e-7 m, with substeps 1.2e-6: frames turn steadily between keyframes, and so does a step's
+            // part.
             assert!(apart < 1e-5, "{substeps} substeps, step {k}: {apart} m apart");
         }
         println!("{substeps} substeps: {worst:.1e} m apart");
@@ -293,9 +294,10 @@ fn a_yanked_strand_recovers() {
     assert!(steps <= 130 && worst < 1e-4, "{steps} steps, then {worst}");
 }
 
-/// Strands recover from four violent starts: stretch stays below 1 %. The number beside each start is of steps of 1.38 ms in which a
-/// reference solver recovered. Half of the strands take at most twice as many, and none takes more than six times as many. Rounding decides
-/// how long one takes, so that each of 64 strands starts at points that are moved by up to 1e-7 of the length. γ = 100, damping 8/s.
+/// Strands recover from four violent starts: stretch stays below 1 %. The number beside each start is of steps of 1.38
+/// ms in which a reference solver recovered. Half of the strands take at most twice as many, and none takes more than
+/// six times as many. Rounding decides how long one takes, so that each of 64 strands starts at points that are moved
+/// by up to 1e-7 of the length. γ = 100, damping 8/s.
 #[test]
 fn violent_starts_recover() {
     const STRANDS: usize = 64;
@@ -349,7 +351,8 @@ fn violent_starts_recover() {
     assert!(!failed);
 }
 
-/// Fig. 2(b) in small, hair and turbulent air, at twelve times the paper's step; `tests/scenes/figures.rs` has the paper's.
+/// Fig. 2(b) in small, hair and turbulent air, at twelve times the paper's step; `tests/scenes/figures.rs` has the
+/// paper's.
 #[test]
 fn hair_in_turbulent_air_does_not_stretch() {
     let text = include_str!("../../examples/scenes/small/fig2b.toml");

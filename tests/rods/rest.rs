@@ -8,8 +8,8 @@ use windswept_validate::internals::{GRAVITY, LENGTH, LINE_DENSITY, Rod, STRETCH,
 
 use crate::{build, elastica, rest, support};
 
-/// Strands of 34 segments come to rest on the elastica for every γ, at any long step; `windswept validate rods-static` has the
-/// paper's step.
+/// Strands of 34 segments come to rest on the elastica for every γ, at any long step; `windswept validate rods-static`
+/// has the paper's step.
 #[test]
 fn strands_hang_like_the_elastica_at_long_steps() {
     assert_hang_like_the_elastica(&[4e-3, 8.3e-3, 16.6e-3]);
@@ -68,7 +68,8 @@ fn stiffness_does_not_depend_on_the_number_of_points() {
     }
 }
 
-/// A strand rests in the same place however many Newton steps and substeps took it there, at six times the paper's step.
+/// A strand rests in the same place however many Newton steps and substeps took it there, at six times the paper's
+/// step.
 #[test]
 fn rest_does_not_depend_on_newton_steps_or_substeps() {
     let (rods, step) = ([Rod::level(10.0, 34), Rod::level(100.0, 34)], 8.3e-3);
@@ -90,8 +91,8 @@ fn rest_does_not_depend_on_newton_steps_or_substeps() {
     }
 }
 
-/// Curled strands come to rest on the helix at twelve times the paper's step; `windswept validate rods-static` has the paper's
-/// step.
+/// Curled strands come to rest on the helix at twelve times the paper's step; `windswept validate rods-static` has the
+/// paper's step.
 #[test]
 fn curled_strands_hang_like_the_helix() {
     let rows: Vec<_> = tables::helix().into_iter().filter(|row| row.gamma > 0.0).collect();
@@ -108,7 +109,8 @@ fn curled_strands_hang_like_the_helix() {
 /// Gauss-Seidel with 500 sweeps hangs strands like the elastica and the helix, at 0.35 ms.
 ///
 /// The impulses of the sweeps add up in frames that turn within a step, and no number of sweeps mends that, nor does
-/// f64: the helix of γ = 20 hangs 6.3e-3 L off at 1.38 ms (the reference as well), 6.1e-3 at 0.69 ms, 4.1e-3 at 0.35 ms,
+/// f64: the helix of γ = 20 hangs 6.3e-3 L off at 1.38 ms (the reference as well), 6.1e-3 at 0.69 ms, 4.1e-3 at 0.35
+/// ms,
 /// 2.3e-3 at 0.2 ms, 1.0e-3 at 0.1 ms; from 50 sweeps to 500 it changes by 1e-4. Damped by 12/s, strands are at rest
 /// after 1.5 s.
 #[test]
@@ -143,8 +145,8 @@ fn strands_do_not_stretch() {
     assert!(stretch - own < 1e-4, "{stretch}");
 }
 
-/// A straight strand without weight whose tip is held, and nothing else, is not at rest: turned by a radian, the tip twists the strand
-/// evenly.
+/// A straight strand without weight whose tip is held, and nothing else, is not at rest: turned by a radian, the tip
+/// twists the strand evenly.
 #[test]
 fn a_turned_tip_twists_its_strand() {
     let (segments, twist) = (20, 1.0);
@@ -186,7 +188,8 @@ fn most_points_do_not_tear_in_long_steps() {
     assert_whole(&[(1024, 16.6e-3, 1e-4)]);
 }
 
-/// Points, step [s], and what the stretch stays below. Strands start in all directions of half a sphere, and none is left unsolved.
+/// Points, step [s], and what the stretch stays below. Strands start in all directions of half a sphere, and none is
+/// left unsolved.
 fn assert_whole(cases: &[(u32, f64, f64)]) {
     for &(points, step, bound) in cases {
         let text = format!(

@@ -27,7 +27,8 @@ struct Disturbed {
 const CALM: Disturbed =
     Disturbed { what: "nothing", keys: "", damping: 2.0, step: 4e-3, rest: 4.0, then: 0.6, moves: 0.0 };
 
-/// Largest difference, of tips [L] and of frames [rad], between a run that skips what it may and one that skips nothing.
+/// Largest difference, of tips [L] and of frames [rad], between a run that skips what it may and one that skips
+/// nothing.
 fn skipped(case: &Disturbed, drive: impl Fn(&mut Simulation, f64)) -> (f64, f64) {
     let Disturbed { what, keys, damping, step, rest, then, moves } = case;
     let run = |sleep: bool| {
@@ -70,8 +71,8 @@ fn skipped(case: &Disturbed, drive: impl Fn(&mut Simulation, f64)) -> (f64, f64)
     apart
 }
 
-/// What runs that skip and runs that skip nothing may differ by, tips in lengths and frames in rad. Measured at most 6e-5 L and
-/// 2e-4.
+/// What runs that skip and runs that skip nothing may differ by, tips in lengths and frames in rad. Measured at most
+/// 6e-5 L and 2e-4.
 fn assert_not_missed(apart: &[(f64, f64)]) {
     assert!(apart.iter().all(|apart| apart.0 < 1e-4 && apart.1 < 2e-3), "{apart:?}");
 }
@@ -154,8 +155,8 @@ fn sleep_does_not_move_what_rests() {
     }
 }
 
-/// A real hair in air that is still, or a wind that is steady: it falls asleep at any step, stands then where one stands that may
-/// not sleep, and wakes when the wind changes.
+/// A real hair in air that is still, or a wind that is steady: it falls asleep at any step, stands then where one
+/// stands that may not sleep, and wakes when the wind changes.
 #[test]
 fn hair_sleeps_in_steady_wind() {
     for (model, wind, steps) in [
@@ -170,8 +171,8 @@ fn hair_sleeps_in_steady_wind() {
     }
 }
 
-/// In wind that the hair itself slows, it sleeps for good. (In 3 m/s at 0.69 ms the air behind it trembles more: it is asleep in six
-/// steps of ten.)
+/// In wind that the hair itself slows, it sleeps for good. (In 3 m/s at 0.69 ms the air behind it trembles more: it is
+/// asleep in six steps of ten.)
 #[test]
 #[ignore = "long: 20 s of CPU time"]
 fn hair_sleeps_in_wind_that_it_slows() {

@@ -48,8 +48,8 @@ fn an_upright_strand_buckles_where_it_should() {
     assert!(below < 1.0 && above > 1.0, "{below} {above}");
 }
 
-/// A hanging strand of natural curvature κL = 8 is planar above γ = 105.71 and three-dimensional below (EI/GJ = 1.38, 100
-/// segments).
+/// A hanging strand of natural curvature κL = 8 is planar above γ = 105.71 and three-dimensional below (EI/GJ = 1.38,
+/// 100 segments).
 #[test]
 fn a_curved_strand_leaves_its_plane_where_it_should() {
     let segments = 100;

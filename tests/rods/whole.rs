@@ -70,8 +70,8 @@ fn tangles_are_whole_in_every_step() {
     assert!(worst < 1e-3, "{worst}");
 }
 
-/// Gusts of 100 m/s bend strands whose ends are both held by more than a Newton step may, and their tips stay where they are held: the force
-/// that holds a tip does not add up what those steps leave open.
+/// Gusts of 100 m/s bend strands whose ends are both held by more than a Newton step may, and their tips stay where
+/// they are held: the force that holds a tip does not add up what those steps leave open.
 #[test]
 fn gusts_do_not_tear_held_tips_off() {
     let gust = |i: u32| {

@@ -18,7 +18,8 @@ use windswept_scene::{
 };
 use windswept_shaders::common::pressure::Pressed;
 
-/// Scene of `n` x `n` straight strands of 0.06 m along +x, 6 mm apart, in a box of 0.10 x 0.06 x 0.06 m, filled with air at rest.
+/// Scene of `n` x `n` straight strands of 0.06 m along +x, 6 mm apart, in a box of 0.10 x 0.06 x 0.06 m, filled with
+/// air at rest.
 fn brush(n: usize) -> InitialState {
     brush_of(n, 0.006)
 }
@@ -100,8 +101,8 @@ fn run(scene: &Scene, initial: &InitialState, steps: &[u64]) -> (Frame, Simulati
     (simulation.frame().unwrap(), simulation)
 }
 
-/// Hair, air and a ball that moves through both: a scene gives the same bits twice, however its steps are cut into submits. In
-/// `two-way` air drags hair, and strands rub on one another.
+/// Hair, air and a ball that moves through both: a scene gives the same bits twice, however its steps are cut into
+/// submits. In `two-way` air drags hair, and strands rub on one another.
 #[test]
 fn two_runs_give_the_same_bits() {
     let at = |time, y| Keyframe { time, translation: [0.0, y, 0.0], rotation: [0.0; 3] };
@@ -154,8 +155,9 @@ fn with_texts_of(other: &Simulation, scene: &Scene, initial: &InitialState, step
     simulation
 }
 
-/// On a device that binds less than the list takes, the list has pages, and steps have the bits that they have with one: with hair and
-/// air in pages of their own or in one, for each text of the passes, and where the pages grow and become more.
+/// On a device that binds less than the list takes, the list has pages, and steps have the bits that they have with
+/// one: with hair and air in pages of their own or in one, for each text of the passes, and where the pages grow and
+/// become more.
 #[test]
 fn a_list_in_pages_changes_no_bit() {
     let pages_of = |scene: &Scene, initial: &InitialState, limit: u64, features: wgpu::Features, textures: u32| {
@@ -246,7 +248,8 @@ fn a_state_that_does_not_fit_is_refused() {
     refused(&|s| s.air.mass = 0.0, "volume, mass and size");
 }
 
-/// Densities are measured between steps, also where the neighbour list has to grow for them: the rising wind goes on from where it was.
+/// Densities are measured between steps, also where the neighbour list has to grow for them: the rising wind goes on
+/// from where it was.
 #[test]
 fn a_measurement_leaves_the_wind_as_it_is() {
     let mut scene = windy();
@@ -263,7 +266,8 @@ fn a_measurement_leaves_the_wind_as_it_is() {
     assert_eq!(simulation.engine().status().unwrap().wind, before.wind);
 }
 
-/// A point faster than a rod can follow tears no segment in any step of the direct solver, and Gauss-Seidel's strand recovers.
+/// A point faster than a rod can follow tears no segment in any step of the direct solver, and Gauss-Seidel's strand
+/// recovers.
 #[test]
 fn a_violent_point_tears_nothing() {
     for solver in [Solver::Direct, Solver::GaussSeidel] {
@@ -300,8 +304,8 @@ fn hair_outside_the_box_is_counted_after_a_while() {
     assert_eq!(inside.warnings().get("hair_outside_box"), None);
 }
 
-/// Pressure starts anew where the caller puts air or hair: uniform air in place of stirred air stays uniform, and hair that was put
-/// pushes with none of what it had.
+/// Pressure starts anew where the caller puts air or hair: uniform air in place of stirred air stays uniform, and hair
+/// that was put pushes with none of what it had.
 #[test]
 fn pressure_starts_anew_where_things_are_put() {
     let mut scene = windy();
@@ -383,7 +387,8 @@ fn steps_behind_a_frozen_one_do_nothing() {
     assert_eq!(grown(5), grown(1));
 }
 
-/// Steps that are recorded into the caller's encoder end with a whole step of Δt, also behind a step that was done in part.
+/// Steps that are recorded into the caller's encoder end with a whole step of Δt, also behind a step that was done in
+/// part.
 #[test]
 fn a_recorded_step_takes_the_substeps_that_are_left() {
     let mut scene = windy();

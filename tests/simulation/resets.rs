@@ -10,7 +10,8 @@ use windswept_shaders::common::rod::SPOILT;
 
 use crate::{brush, support, windy, with_model};
 
-/// Some strands in a brook of air. Its hair is the engine's own, so that nobody looks at it until somebody else writes into it.
+/// Some strands in a brook of air. Its hair is the engine's own, so that nobody looks at it until somebody else writes
+/// into it.
 const BROOK: &str = "
 title = \"brook\"
 time = { step = 1.38e-3, duration = 0.1, substeps = 1 }
@@ -101,7 +102,8 @@ fn many_non_finite_strands_end_the_run() {
     assert!(error.contains("point 6"), "{error}");
 }
 
-/// A run that ended goes on once its caller says so: what was not finite is put back to rest, named and counted, and only that.
+/// A run that ended goes on once its caller says so: what was not finite is put back to rest, named and counted, and
+/// only that.
 #[test]
 fn what_ended_a_run_is_put_back_to_rest() {
     let invalid = |air: bool| {
@@ -144,7 +146,8 @@ fn what_ended_a_run_is_put_back_to_rest() {
     }
 }
 
-/// Air that is finite, but faster than anything can be, ends the run as air that is not: nobody has to find it in the results.
+/// Air that is finite, but faster than anything can be, ends the run as air that is not: nobody has to find it in the
+/// results.
 #[test]
 fn air_faster_than_anything_ends_the_run() {
     let mut simulation = Simulation::with_state(&support::gpu(), &windy(), brush(4)).unwrap();
@@ -193,8 +196,8 @@ fn what_comes_back_ends_the_run() {
     assert!(ended.contains(&words), "{ended}: {words}");
 }
 
-/// A strand of the brook starts the next step in its rest shape if somebody writes into it what no strand can have, and all else has the
-/// bits of a run in which it was put there by hand: nothing else has met what was written.
+/// A strand of the brook starts the next step in its rest shape if somebody writes into it what no strand can have, and
+/// all else has the bits of a run in which it was put there by hand: nothing else has met what was written.
 #[test]
 fn what_is_written_into_a_strand_is_found() {
     // Each takes the way that a point moves by.
@@ -232,13 +235,14 @@ fn what_is_written_into_a_strand_is_found() {
     }
 }
 
-/// What no strand can have is found even if it came into one by the device's queue alone, where nobody looks: the step that meets it is
-/// taken again as if it had been written otherwise, and the run has the bits of one in which the strand was put there by hand.
+/// What no strand can have is found even if it came into one by the device's queue alone, where nobody looks: the step
+/// that meets it is taken again as if it had been written otherwise, and the run has the bits of one in which the
+/// strand was put there by hand.
 #[test]
 fn what_comes_behind_the_engines_back_resets_its_strand() {
     for scene in brooks() {
-        // A particle of air exchanges no more than it bears with hair that drags it: what is a thousand times as fast as anything goes
-        // unnoticed there, and only its strand is swept along.
+        // A particle of air exchanges no more than it bears with hair that drags it: what is a thousand times as fast
+        // as anything goes unnoticed there, and only its strand is swept along.
         let fast = if scene.interaction.model == Model::Particles { 1e7 } else { 1e30 };
         let values = [("position", f32::NAN), ("position", 1e30), ("velocity", f32::NAN), ("velocity", fast)];
         for (name, value) in values.into_iter().chain([("orientation", f32::NAN)]) {
@@ -268,8 +272,8 @@ fn what_comes_behind_the_engines_back_resets_its_strand() {
     }
 }
 
-/// Strands of the caller's own arrays are looked at in the first step, and what the caller's hair was set to is found in the one after, also
-/// where the caller records it.
+/// Strands of the caller's own arrays are looked at in the first step, and what the caller's hair was set to is found
+/// in the one after, also where the caller records it.
 #[test]
 fn what_a_caller_gives_is_looked_at() {
     let mut initial = brush(2);

@@ -11,10 +11,11 @@ use windswept_scene::*;
 use windswept_validate::internals::Cloud;
 pub use windswept_validate::internals::{MASS, RADIUS, VOLUME};
 
-/// A device on the adapter that every test runs on: the one that WGPU_ADAPTER_NAME names, else a software one. A test fails
-/// where there is no such adapter.
+/// A device on the adapter that every test runs on: the one that WGPU_ADAPTER_NAME names, else a software one. A test
+/// fails where there is no such adapter.
 ///
-/// A device does one thing at a time. Tests that run side by side have one each, and hand it on to those that come after them.
+/// A device does one thing at a time. Tests that run side by side have one each, and hand it on to those that come
+/// after them.
 pub fn gpu() -> Gpu {
     thread_local! {
         // Each test has a thread of its own.
@@ -76,8 +77,8 @@ turbulence.filter = \"direct\"
 rods = { solver = \"gauss-seidel\", integrator = \"euler\", sleep = false }
 ";
 
-/// Scene with the paper's parameters, without hair, in still air; hair that a test puts in is one fluid with the air. Its box
-/// is that of the particles which a test puts in.
+/// Scene with the paper's parameters, without hair, in still air; hair that a test puts in is one fluid with the air.
+/// Its box is that of the particles which a test puts in.
 pub fn scene() -> Scene {
     let scene = Scene::parse(PLAIN).unwrap();
     let air = scene.air.clone().map(|air| Air { bounds: None, ..air });
@@ -178,8 +179,8 @@ pub fn particles(n: usize, hair: usize, layout: Layout, seed: u64) -> InitialSta
     }
 }
 
-/// The awkward sizes: one, a workgroup less one, a workgroup, one more, and many: with a third of it hair, more than 64 workgroups
-/// of air, so that sums over workgroups take more than one turn.
+/// The awkward sizes: one, a workgroup less one, a workgroup, one more, and many: with a third of it hair, more than 64
+/// workgroups of air, so that sums over workgroups take more than one turn.
 pub const SIZES: [usize; 5] = [1, 63, 64, 65, 6_701];
 
 /// Air alone in a periodic box.

@@ -1,4 +1,5 @@
-//! Scale and intensity are dials: how large eddies grow, and at which speed they stop; and with the wind enter such eddies.
+//! Scale and intensity are dials: how large eddies grow, and at which speed they stop; and with the wind enter such
+//! eddies.
 
 use std::f64::consts::{E, TAU};
 
@@ -25,8 +26,8 @@ const INTENSITY: f64 = 0.1;
 /// Energy of each band at the start \[m²/s²\].
 const ENERGY: f64 = 1e-4;
 
-/// Still air in a box of 17 particle spacings, 82 mm, which holds 1, 2 and 3 waves of the bands' centres along an axis: for
-/// each band six such waves across one another, as strong as gives each band the same energy.
+/// Still air in a box of 17 particle spacings, 82 mm, which holds 1, 2 and 3 waves of the bands' centres along an axis:
+/// for each band six such waves across one another, as strong as gives each band the same energy.
 fn stirred() -> InitialState {
     let mut rng = Pcg64::seed_from_u64(11);
     let mut air = lattice([17; 3], SIMPLE);
@@ -70,8 +71,8 @@ fn strengthened(scale: f64, strength: f64) -> [f64; 3] {
     energies(&simulation)
 }
 
-/// Each band, strengthened alone, ends within a third of ½ (I U)²; eddies of twice its scale or more have at most a quarter
-/// of its energy, so that large eddies grow only where a large scale asks for them.
+/// Each band, strengthened alone, ends within a third of ½ (I U)²; eddies of twice its scale or more have at most a
+/// quarter of its energy, so that large eddies grow only where a large scale asks for them.
 #[test]
 #[ignore = "long: more than 60 s of CPU time"]
 fn the_scale_says_how_large_eddies_grow() {
@@ -82,13 +83,15 @@ fn the_scale_says_how_large_eddies_grow() {
         // Measured 0.94, 0.87 and 1.05 of the limit.
         assert!((2.0 / 3.0..4.0 / 3.0).contains(&(end[b] / limit)), "s = {scale}: {} of {limit}", end[b]);
         for (k, (larger, _)) in BANDS.into_iter().enumerate().filter(|(_, (other, _))| *other >= 2.0 * scale) {
-            // Measured 0.16 (6 mm) and 0.19 (9 mm) of its own; 0.14 and 0.16 of the 18 mm that are strengthened themselves.
+            // Measured 0.16 (6 mm) and 0.19 (9 mm) of its own; 0.14 and 0.16 of the 18 mm that are strengthened
+            // themselves.
             assert!(end[k] < 0.25 * end[b] && end[k] < 0.25 * ends[k][k], "s = {scale}, {larger}: {end:?}");
         }
     }
 }
 
-/// Rms speed of the band over I U in a box of eddies, mean of the second half of 200 steps that begin with a tenth of it.
+/// Rms speed of the band over I U in a box of eddies, mean of the second half of 200 steps that begin with a tenth of
+/// it.
 fn held(scale: f64, intensity: f64, substeps: u32) -> f64 {
     let mut scene = air_scene();
     scene.turbulence.filter = Filter::Grid;
@@ -118,8 +121,8 @@ fn held(scale: f64, intensity: f64, substeps: u32) -> f64 {
     speeds.sum::<f64>() / 4.0
 }
 
-/// Eddies come to the speed I U where a substep takes them less than a tenth of their wavelength: within 10 % at 6, 9 and 12 mm. The box
-/// holds one wave of 18 mm, whose energy comes and goes by a fifth.
+/// Eddies come to the speed I U where a substep takes them less than a tenth of their wavelength: within 10 % at 6, 9
+/// and 12 mm. The box holds one wave of 18 mm, whose energy comes and goes by a fifth.
 #[test]
 #[ignore = "long: five minutes of CPU time"]
 fn eddies_have_the_intensity_asked_for() {
@@ -132,8 +135,8 @@ fn eddies_have_the_intensity_asked_for() {
     }
 }
 
-/// With the dials alone eddies of their scale and intensity go through an empty wind tunnel of 0.5 m: in its second half they neither have
-/// died nor grown, by 20 %.
+/// With the dials alone eddies of their scale and intensity go through an empty wind tunnel of 0.5 m: in its second
+/// half they neither have died nor grown, by 20 %.
 #[test]
 #[ignore = "long: three minutes of CPU time"]
 fn eddies_that_enter_keep_their_intensity() {

@@ -124,8 +124,8 @@ fn confinement_feeds_its_band_and_keeps_momentum() {
     println!("band energy: {calm:.2e} without, {fed:.2e} at S = 3, {stronger:.2e} at S = 30 m²/s²");
     // Measured 1.8 and 1090 times.
     assert!(fed > 1.4 * calm && stronger > 100.0 * fed, "{calm} {fed} {stronger}");
-    // It saturates: at this step it ends within a third of ½ (I U)² = 0.045 m²/s², as in `dial`. Measured 0.055; 0.068 at a quarter of
-    // the step, since air above I U is not slowed.
+    // It saturates: at this step it ends within a third of ½ (I U)² = 0.045 m²/s², as in `dial`. Measured 0.055; 0.068
+    // at a quarter of the step, since air above I U is not slowed.
     assert!(stronger < 4.0 / 3.0 * 0.045, "{stronger}");
 
     let gained = DVec3::from_array(fed_report.momentum_kg_m_per_s) - DVec3::from_array(report.momentum_kg_m_per_s);

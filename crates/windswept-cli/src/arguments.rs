@@ -80,7 +80,8 @@ pub(crate) enum Command {
     Render(RenderOptions),
     /// Make one film for other programs of a run that is over or was stopped, from its hair.vtkhdf and scene.toml
     Export(ExportOptions),
-    /// Numbers of a run's hair, from its hair.vtkhdf: swing, frequency, wavelength, turning, gathering, coherence, lean, stretch
+    /// Numbers of a run's hair, from its hair.vtkhdf: swing, frequency, wavelength, turning, gathering, coherence,
+    /// lean, stretch
     Measure(MeasureArguments),
     #[cfg(feature = "spectrum")]
     /// Energy of a run's air by size of eddies, at its first and at its last frame, as a table and a picture
@@ -265,7 +266,8 @@ pub(crate) struct RunOptions {
     /// Stop after this many steps since t = 0, whatever time.duration says
     #[arg(long, value_name = "N", value_parser = whole, allow_negative_numbers = true)]
     pub(crate) steps: Option<u64>,
-    /// Part of a GPU's name, or `software` [default: $WGPU_ADAPTER_NAME, else the run's own with --resume, else the best]
+    /// Part of a GPU's name, or `software` [default: $WGPU_ADAPTER_NAME, else the run's own with --resume, else the
+    /// best]
     #[arg(long, value_name = "NAME")]
     pub(crate) adapter: Option<String>,
     #[arg(long, value_delimiter = ',', value_parser = format, help = formats_help())]
@@ -281,11 +283,13 @@ pub(crate) struct RunOptions {
     pub(crate) overwrite: bool,
     #[arg(long, value_name = "K", value_parser = every::<NonZeroU64>, allow_negative_numbers = true, help = checkpoint_help())]
     pub(crate) checkpoint_every: Option<NonZeroU64>,
-    /// What to do when a run blows up, which it does where air is not finite, or too many strands at once: end it with a checkpoint of the state
-    /// before, or put what is not finite back to rest and go on. A few strands are put back in either case, and counted
+    /// What to do when a run blows up, which it does where air is not finite, or too many strands at once: end it with
+    /// a checkpoint of the state before, or put what is not finite back to rest and go on. A few strands are put back
+    /// in either case, and counted
     #[arg(long, value_name = "WHAT", default_value = "stop")]
     pub(crate) on_blowup: OnBlowup,
-    /// Go on with the run in DIR from its checkpoint, with its scene, formats, --steps and --checkpoint-every, unless others are given
+    /// Go on with the run in DIR from its checkpoint, with its scene, formats, --steps and --checkpoint-every, unless
+    /// others are given
     #[arg(long, value_name = "DIR", conflicts_with_all = ["path", "out", "sets", "overwrite"])]
     resume: Option<PathBuf>,
 }
@@ -386,7 +390,8 @@ pub(crate) struct MeasureArguments {
     /// End of the time that is measured, in seconds [default: the last frame]
     #[arg(long, value_name = "S", value_parser = seconds, allow_negative_numbers = true)]
     pub(crate) to: Option<f64>,
-    /// Print one JSON document instead of a table: numbers with their units in their names, null where one has no meaning, and the spectrum
+    /// Print one JSON document instead of a table: numbers with their units in their names, null where one has no
+    /// meaning, and the spectrum
     #[arg(long)]
     pub(crate) json: bool,
 }

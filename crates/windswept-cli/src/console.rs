@@ -21,8 +21,8 @@ impl<'a> Console<'a> {
         Self { out, err, terminal, failed: None }
     }
 
-    /// A line of the result, with its control characters spelled: it may name what is the user's. Nothing more is written behind one that
-    /// could not be; [`Self::end`] says why.
+    /// A line of the result, with its control characters spelled: it may name what is the user's. Nothing more is
+    /// written behind one that could not be; [`Self::end`] says why.
     pub(crate) fn print(&mut self, line: impl Display) {
         self.put(format_args!("{}\n", spelled(&line.to_string())));
     }

@@ -77,7 +77,8 @@ fn place(options: &ExportOptions, output: &Output) -> Result<PathBuf, Failure> {
     Ok(path)
 }
 
-/// A folder of its own beside a film, in which the film is made: nothing of the user's has a place in it. It is gone once it is dropped.
+/// A folder of its own beside a film, in which the film is made: nothing of the user's has a place in it. It is gone
+/// once it is dropped.
 fn workshop(path: &Path) -> Result<TempDir, Failure> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let made = tempfile::Builder::new().prefix(WORKSHOP).tempdir_in(folder);

@@ -58,8 +58,8 @@ impl From<SceneError> for Failure {
 impl From<GpuError> for Failure {
     fn from(error: GpuError) -> Self {
         match error {
-            // The scene asks for more than the adapter holds, or the caller for an adapter that is not there: that is the input's
-            // fault, and nothing has been written.
+            // The scene asks for more than the adapter holds, or the caller for an adapter that is not there: that is
+            // the input's fault, and nothing has been written.
             GpuError::TooLarge { .. }
             | GpuError::TooManyCells { .. }
             | GpuError::BandTooFine { .. }
@@ -139,8 +139,8 @@ fn drawn(error: &SceneError) -> String {
     lines.join("\n")
 }
 
-/// The line that a span of bytes begins in, what of it is before the span, and what is in it; `None` for a span beyond the
-/// text or within a character.
+/// The line that a span of bytes begins in, what of it is before the span, and what is in it; `None` for a span beyond
+/// the text or within a character.
 fn underlined<'a>(text: &'a str, span: &Range<usize>) -> Option<(&'a str, &'a str, &'a str)> {
     let from = text.get(..span.start)?.rfind('\n').map_or(0, |end| end + 1);
     let to = text[span.start..].find('\n').map_or(text.len(), |end| span.start + end);
@@ -158,7 +158,8 @@ mod tests {
 
     use super::{Failure, underlined};
 
-    /// A scene that asks for more than the adapter holds is bad input, in whatever it asks too much; a device that is lost is none.
+    /// A scene that asks for more than the adapter holds is bad input, in whatever it asks too much; a device that is
+    /// lost is none.
     #[test]
     fn what_no_adapter_holds_is_bad_input() {
         let refused = [

@@ -1,5 +1,5 @@
-//! The `windswept` command: `run`, `render`, `export`, `measure`, `spectrum`, `check`, `plan`, `groom`, `validate`, `adapters`. `spectrum` and
-//! `validate` are features of the crate, both on by default.
+//! The `windswept` command: `run`, `render`, `export`, `measure`, `spectrum`, `check`, `plan`, `groom`, `validate`,
+//! `adapters`. `spectrum` and `validate` are features of the crate, both on by default.
 //!
 //! [`run`] is the whole command. Its help names the exit statuses.
 
@@ -42,7 +42,8 @@ pub fn status(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     set_hook(Box::new(|defect| {
         let _ = writeln!(stderr(), "error: windswept has a defect, please report this: {defect}");
     }));
-    // A file that would grow beyond the limit of the shell cannot be written, as on a full disk; else the system would end the process.
+    // A file that would grow beyond the limit of the shell cannot be written, as on a full disk; else the system would
+    // end the process.
     #[cfg(unix)]
     let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, std::sync::Arc::default());
     let terminal = stderr().is_terminal();

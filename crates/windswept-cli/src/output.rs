@@ -13,8 +13,8 @@ use windswept_scene::{AtomicFile, Scene};
 use crate::arguments::RunOptions;
 use crate::failure::Failure;
 
-/// What the name of the folder begins with in which `windswept export` makes a film.usdc; it is gone with the command, unless that was
-/// killed.
+/// What the name of the folder begins with in which `windswept export` makes a film.usdc; it is gone with the command,
+/// unless that was killed.
 pub(crate) const WORKSHOP: &str = ".windswept-usdc-";
 
 /// A folder that may be written to; nothing is touched before [`Output::create`].
@@ -29,8 +29,8 @@ pub(crate) struct Output {
 }
 
 impl Output {
-    /// Refuses a folder that holds something already (unless it may be overwritten), paths that cannot be, folders where
-    /// files are to be, and what would cost the user the scene file.
+    /// Refuses a folder that holds something already (unless it may be overwritten), paths that cannot be, folders
+    /// where files are to be, and what would cost the user the scene file.
     pub(crate) fn check(options: &RunOptions, scene: &Path, dir: &Path) -> Result<Self, Failure> {
         check_folder(dir, options.overwrite)?;
         let output = Self::beside(options, dir, Some(scene))?;
@@ -100,7 +100,8 @@ impl Output {
         Ok(self.folder().remove_parts(&files_with_made())?)
     }
 
-    /// Locks the folder for an export that has its workshop there: a run would clear it away. Those of exports that were killed go.
+    /// Locks the folder for an export that has its workshop there: a run would clear it away. Those of exports that
+    /// were killed go.
     pub(crate) fn lock_for_workshop(&self) -> Result<Lock, Failure> {
         let lock = self.folder().lock()?;
         self.remove_workshops()?;
@@ -119,8 +120,8 @@ impl Output {
             .try_for_each(|workshop| fs::remove_dir_all(&workshop).map_err(|e| cannot("removed", &workshop, &e)))
     }
 
-    /// Makes the folder that of a run which goes on: without the report of what was until now, and with the scene as it runs. Returns what
-    /// was wrong with the scene's file, if anything was.
+    /// Makes the folder that of a run which goes on: without the report of what was until now, and with the scene as it
+    /// runs. Returns what was wrong with the scene's file, if anything was.
     pub(crate) fn reopen(&self, scene: &Scene) -> Result<Option<String>, Failure> {
         remove(&self.dir.join(REPORT))?;
         let (path, scene) = (self.scene(), scene.text_in(&self.dir));
@@ -155,8 +156,8 @@ impl Output {
         self.folder().names(&files_of_run(), path)
     }
 
-    /// Refuses a place for what a command makes of the run, which `flag` names: a file of the run's, one in no folder, one that is there
-    /// already and is not to be replaced.
+    /// Refuses a place for what a command makes of the run, which `flag` names: a file of the run's, one in no folder,
+    /// one that is there already and is not to be replaced.
     pub(crate) fn check_place(&self, path: &Path, flag: &str, overwrite: bool) -> Result<(), Failure> {
         if self.owns(path) {
             return refuse(path, &format!("belongs to the run; {flag} takes another file"));

@@ -290,8 +290,8 @@ impl Filmed {
         self.save()
     }
 
-    /// The failure of a run that was ended by this error. A blow-up leaves a checkpoint of the state before it, of which no frame is
-    /// due: a step that was not reached has none.
+    /// The failure of a run that was ended by this error. A blow-up leaves a checkpoint of the state before it, of
+    /// which no frame is due: a step that was not reached has none.
     fn ended(&self, error: &RunError) -> Failure {
         let again = match error {
             RunError::NonFiniteAir { .. } | RunError::TooManyFailedStrands { .. } => self.save().ok().map(|()| {
@@ -333,7 +333,8 @@ impl Filmed {
     }
 }
 
-/// The longest that the engine is out of reach, if a step is not longer: short enough for Ctrl-C and the bar to feel immediate.
+/// The longest that the engine is out of reach, if a step is not longer: short enough for Ctrl-C and the bar to feel
+/// immediate.
 const LENGTH: Duration = Duration::from_millis(250);
 
 /// The report of a run, and of its failure if it failed.
@@ -353,8 +354,8 @@ fn json(report: &Report, frames: &[Row]) -> Result<String, Failure> {
     serde_json::to_string_pretty(&finite(value)?).map(|text| text + "\n").map_err(defect)
 }
 
-/// A report of finite numbers. JSON has no other, and serde writes null for them: a run that reports one has failed, and the report of
-/// a run that failed already leaves out the rows that have one.
+/// A report of finite numbers. JSON has no other, and serde writes null for them: a run that reports one has failed,
+/// and the report of a run that failed already leaves out the rows that have one.
 fn finite(mut report: Value) -> Result<Value, Failure> {
     if report.get("failure").is_some() {
         report.as_object_mut().into_iter().for_each(|rows| rows.retain(|_, row| not_finite(row).is_none()));

@@ -37,8 +37,8 @@ pub(crate) fn spectrum(options: &SpectrumOptions, console: &mut Console<'_>) -> 
     let gpu = Gpu::new(&AdapterChoice::from_flag(options.adapter.as_deref()))?;
     console.note(format_args!("running on {}", gpu.info()));
     let (first, last) = (run.air.frame(0)?, run.air.frame(run.air.times().len() - 1)?);
-    // Those that somebody asked for are measured as the scene measures its bands; the ladder up to the box by the grid, as a direct sum
-    // would take minutes.
+    // Those that somebody asked for are measured as the scene measures its bands; the ladder up to the box by the grid,
+    // as a direct sum would take minutes.
     let bands = &run.scene.turbulence.bands;
     let filter = |scale: f64| match options.scales.is_some() || bands.iter().any(|band| band.scale == scale) {
         true => Filter::of(&run.scene.turbulence),
@@ -111,8 +111,8 @@ impl FinishedRun {
         Ok(Self { scene, settings, initial, air })
     }
 
-    /// Scales to measure, in rising order [m]: those asked for, or the scene's and a ladder from what particles carry to the
-    /// box.
+    /// Scales to measure, in rising order [m]: those asked for, or the scene's and a ladder from what particles carry
+    /// to the box.
     fn scales(&self, asked: Option<&[f64]>) -> Vec<f64> {
         let air = &self.initial.air;
         // The band's wave 2πs/√2 fits the box.

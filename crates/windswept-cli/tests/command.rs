@@ -21,7 +21,8 @@ fn times(path: &Path) -> Vec<f64> {
     values[..usize::try_from(n).expect("a count")].to_vec()
 }
 
-/// A whole run: the four files and the pictures, the frames at their true times, the scene as it ran, the report in both places.
+/// A whole run: the four files and the pictures, the frames at their true times, the scene as it ran, the report in
+/// both places.
 #[test]
 fn a_run_writes_what_it_says() {
     let folder = folder();
@@ -54,7 +55,8 @@ fn a_run_writes_what_it_says() {
     assert_eq!(report, self::report(&folder.path().join("copy.json")));
 }
 
-/// A trace has a bar for each run of a pass in the timed steps, none before the other's end; the report's times are the same.
+/// A trace has a bar for each run of a pass in the timed steps, none before the other's end; the report's times are the
+/// same.
 #[test]
 fn a_trace_says_when_passes_ran() {
     let folder = folder();

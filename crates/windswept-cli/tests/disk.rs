@@ -1,4 +1,5 @@
-//! Disks that are full, and folders that go away in the middle of a run: exit 1, the path is named, and what was finished can be read.
+//! Disks that are full, and folders that go away in the middle of a run: exit 1, the path is named, and what was
+//! finished can be read.
 
 #![cfg(unix)]
 #![allow(clippy::expect_used)] // a test may panic
@@ -32,8 +33,8 @@ fn said(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// A film takes its room when it is made: one that the disk cannot hold is refused before the first step, and nothing is left that is
-/// no film.
+/// A film takes its room when it is made: one that the disk cannot hold is refused before the first step, and nothing
+/// is left that is no film.
 #[test]
 fn a_film_that_does_not_fit_is_refused_at_once() {
     let folder = folder();
@@ -54,8 +55,8 @@ fn a_film_that_does_not_fit_is_refused_at_once() {
     }
 }
 
-/// A film that grows, on a disk that fills up: the run ends with the path, and once there is room it goes on from its last checkpoint
-/// to the film of a run that had room from the start.
+/// A film that grows, on a disk that fills up: the run ends with the path, and once there is room it goes on from its
+/// last checkpoint to the film of a run that had room from the start.
 #[test]
 fn a_run_goes_on_once_there_is_room() {
     let folder = folder();
@@ -91,7 +92,8 @@ fn half_a_picture_is_not_left() {
     assert_eq!(listing(&folder.path().join("out/frames")), [""; 0]);
 }
 
-/// A preview that the disk cannot hold: the pictures that were made stay, and neither half a preview nor an empty one lies beside them.
+/// A preview that the disk cannot hold: the pictures that were made stay, and neither half a preview nor an empty one
+/// lies beside them.
 #[test]
 fn half_a_preview_is_not_left() {
     let folder = folder();
@@ -136,7 +138,8 @@ fn a_checkpoint_that_does_not_fit_leaves_the_one_before() {
     assert_eq!(listing(&folder.path().join("out")), ["checkpoint.windswept", "scene.toml"]);
 }
 
-/// A folder that is removed in the middle of a run: the run ends soon, with the path, although its open films take all that is written.
+/// A folder that is removed in the middle of a run: the run ends soon, with the path, although its open films take all
+/// that is written.
 #[test]
 fn a_folder_that_goes_away_ends_the_run() {
     let folder = folder();
@@ -164,8 +167,8 @@ fn a_folder_that_goes_away_ends_the_run() {
     assert!(["out: the folder was removed", "out/"].iter().any(|words| said(&output).contains(words)), "{output:?}");
 }
 
-/// A disk that takes no file, as a read-only one, is no fault of the arguments. A process cannot make one of its own; the system's own
-/// table of processes is one, for whoever asks.
+/// A disk that takes no file, as a read-only one, is no fault of the arguments. A process cannot make one of its own;
+/// the system's own table of processes is one, for whoever asks.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_disk_that_refuses_is_a_failure() {

@@ -55,8 +55,8 @@ np.savez('groom.npz', positions=points, root_uv=uv, groups=np.arange(40) % 3, id
     fs::write(folder.join("scene.toml"), format!("{before}[air]{after}")).expect("a scene");
 }
 
-/// A groom file's strands, of which some are simulated, come back as one film each of USD and of arrays: all of them, in their
-/// order, in their shapes at the start, with numbers, groups and places; the same with each format.
+/// A groom file's strands, of which some are simulated, come back as one film each of USD and of arrays: all of them,
+/// in their order, in their shapes at the start, with numbers, groups and places; the same with each format.
 #[test]
 fn a_groom_comes_back_with_its_followers() {
     let folder = folder();
@@ -147,7 +147,8 @@ fn a_film_of_strands_needs_no_mesh() {
     assert!(refused.status.code() == Some(2) && said.contains("wedge.obj: cannot be read"), "{said}");
 }
 
-/// Beside a film in USD's binary form nothing changes, whether it is made or not: what films are made by has no names of the user's.
+/// Beside a film in USD's binary form nothing changes, whether it is made or not: what films are made by has no names
+/// of the user's.
 #[cfg(unix)]
 #[test]
 fn a_film_costs_nothing_beside_it() {

@@ -93,7 +93,8 @@ fn a_link_in_place_of_the_pictures_is_refused() {
     }
 }
 
-/// A scene that was edited in the folder, or is gone, is written again as it runs, with a warning; nothing is said of one that is as it was.
+/// A scene that was edited in the folder, or is gone, is written again as it runs, with a warning; nothing is said of
+/// one that is as it was.
 #[test]
 fn a_run_goes_on_with_its_own_scene() {
     let folder = folder();
@@ -153,7 +154,8 @@ const HALVES: [&str; 5] = [
     ".windswept-usdc-a1b2c3/film.usda",
 ];
 
-/// Halves of files that a kill left are no pictures and no films: the next run or `render` in the folder removes them, and nothing else.
+/// Halves of files that a kill left are no pictures and no films: the next run or `render` in the folder removes them,
+/// and nothing else.
 #[test]
 fn halves_that_a_kill_left_are_removed() {
     let folder = folder();
@@ -181,8 +183,8 @@ fn halves_that_a_kill_left_are_removed() {
     assert_eq!((listing(&out.join("frames")), listing(&out).len()), (vec!["notes.part".to_owned()], 3));
 }
 
-/// What a link in a run's folder leads to is somebody else's: a run that goes on replaces a link in the place of what it writes anew,
-/// and is refused where a film would grow at the end of one.
+/// What a link in a run's folder leads to is somebody else's: a run that goes on replaces a link in the place of what
+/// it writes anew, and is refused where a film would grow at the end of one.
 #[test]
 fn a_run_that_goes_on_writes_through_no_link() {
     let folder = folder();
@@ -245,7 +247,8 @@ fn the_file_beside_a_checkpoint_is_named() {
     assert!(error.to_string().contains("now.windswept.part: cannot be written: Is a directory"), "{error}");
 }
 
-/// A second run in a folder is refused as long as the first one is there, and nothing is touched; a killed run keeps nobody out.
+/// A second run in a folder is refused as long as the first one is there, and nothing is touched; a killed run keeps
+/// nobody out.
 #[test]
 fn two_runs_do_not_share_a_folder() {
     let folder = folder();
@@ -278,7 +281,8 @@ fn two_runs_do_not_share_a_folder() {
     assert_eq!(fresh.status.code(), Some(0), "{fresh:?}");
 }
 
-/// A path that is not UTF-8 is refused for the format that cannot take it, before there is a folder; the others take it.
+/// A path that is not UTF-8 is refused for the format that cannot take it, before there is a folder; the others take
+/// it.
 #[test]
 fn a_path_that_is_not_utf8_is_refused_for_films() {
     let folder = folder();

@@ -83,7 +83,8 @@ fn assert_same(folder: &Path, one: &str, other: &str) {
     assert!(reports[0].0[5].as_array().is_some_and(|frames| !frames.is_empty()), "{reports:?}");
 }
 
-/// Kills a run with films and pictures at three random moments, goes on each time and at last to the end; all of it so many times.
+/// Kills a run with films and pictures at three random moments, goes on each time and at last to the end; all of it so
+/// many times.
 fn killed(rounds: usize, seed: u64) {
     let folder = folder();
     // The first run may compile the shaders, which the driver then keeps for those that follow.
@@ -308,8 +309,8 @@ fn a_checkpoint_is_there_from_the_start() {
     assert!(!frames.is_empty(), "a checkpoint comes behind the frame of its step");
 }
 
-/// With `--on-blowup reset` a run whose strands stop being finite goes on: it says on stderr and in the report which, and when. Without it
-/// the run ends.
+/// With `--on-blowup reset` a run whose strands stop being finite goes on: it says on stderr and in the report which,
+/// and when. Without it the run ends.
 #[test]
 fn a_blow_up_is_put_back_to_rest_if_asked() {
     let folder = folder();

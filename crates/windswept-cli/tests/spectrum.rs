@@ -18,7 +18,8 @@ fn spectrum(folder: &Path, more: &[&str]) -> (Option<i32>, String, String) {
     (ran.status.code(), text(ran.stdout), text(ran.stderr))
 }
 
-/// The spectrum of the last frame is what the report says of the same scales; the start is uniform wind, without eddies.
+/// The spectrum of the last frame is what the report says of the same scales; the start is uniform wind, without
+/// eddies.
 #[test]
 fn a_spectrum_is_that_of_the_report() {
     let folder = folder();
@@ -55,7 +56,8 @@ fn a_spectrum_is_that_of_the_report() {
     assert_eq!((&frames[0]["time_s"], &frames[6]["time_s"]), (&Value::from(0.0), &report["time_s"]));
 }
 
-/// A spectrum is measured by the scene's own filter, as the report is: that on a grid finds other energies than the direct sum.
+/// A spectrum is measured by the scene's own filter, as the report is: that on a grid finds other energies than the
+/// direct sum.
 #[test]
 fn a_spectrum_is_measured_by_the_scenes_filter() {
     let folder = folder();

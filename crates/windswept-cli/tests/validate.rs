@@ -6,8 +6,8 @@ mod support;
 
 use support::{folder, windswept};
 
-/// Two checks as JSON: their rows pass, every number is there, nothing else is on standard output. `tests/formulas.rs` has all
-/// checks.
+/// Two checks as JSON: their rows pass, every number is there, nothing else is on standard output. `tests/formulas.rs`
+/// has all checks.
 #[test]
 fn validate_prints_one_document() {
     let folder = folder();

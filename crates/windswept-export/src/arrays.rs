@@ -23,8 +23,8 @@ use zip::{CompressionMethod, ZipWriter, write::SimpleFileOptions};
 
 use crate::{ExportError, Provenance};
 
-/// Writes a film of `frames` frames, of which `frame` makes any, time and again, with one in memory at a time. A file at `path` is
-/// replaced once all is written.
+/// Writes a film of `frames` frames, of which `frame` makes any, time and again, with one in memory at a time. A file
+/// at `path` is replaced once all is written.
 ///
 /// # Errors
 /// [`ExportError::Frame`] if there is no frame, or frames have not the same strands; [`ExportError::File`] if the file cannot be
@@ -123,8 +123,8 @@ impl Archive<'_> {
     }
 }
 
-/// The file of an archive. Once the system has refused something, it takes everything and keeps nothing: [`ZipWriter`] ends an archive
-/// when it is dropped, and would print that it cannot, which is known already.
+/// The file of an archive. Once the system has refused something, it takes everything and keeps nothing: [`ZipWriter`]
+/// ends an archive when it is dropped, and would print that it cannot, which is known already.
 struct Archived {
     file: BufWriter<File>,
     refused: bool,

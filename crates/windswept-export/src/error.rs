@@ -16,7 +16,8 @@ pub enum ExportError {
         /// The library's words.
         reason: String,
     },
-    /// The frame does not fit the file: empty, inconsistent, of another size, no later than the one before, or one too many.
+    /// The frame does not fit the file: empty, inconsistent, of another size, no later than the one before, or one too
+    /// many.
     #[error("{}: {problem}", path.display())]
     Frame {
         /// The file.

@@ -23,8 +23,8 @@ pub const SHEET: &str = "contact-sheet.png";
 /// Written by `windswept export` only.
 pub const FILMS: [&str; 3] = ["film.usda", "film.usdc", "film.npz"];
 
-/// Every name that a run writes: its formats' files, the report, the scene and the checkpoint. As in [`crate::Format::files`], a
-/// stem of zeros stands for a file per frame.
+/// Every name that a run writes: its formats' files, the report, the scene and the checkpoint. As in
+/// [`crate::Format::files`], a stem of zeros stands for a file per frame.
 #[must_use]
 pub fn files_of_run() -> Vec<&'static str> {
     // Those that say that a run is whole come first: they are the first to be removed.
@@ -103,8 +103,8 @@ impl Folder<'_> {
         made.chain(self.found(&single)).collect()
     }
 
-    /// Removes the files of these names that a writer may remove, their halves, and the folders that this empties. Whoever has the lock
-    /// may do so.
+    /// Removes the files of these names that a writer may remove, their halves, and the folders that this empties.
+    /// Whoever has the lock may do so.
     ///
     /// # Errors
     /// [`ExportError::File`] with what the system says.
@@ -137,7 +137,8 @@ impl Folder<'_> {
         names.iter().filter_map(|name| Some(self.0.join(series(name)?.0)))
     }
 
-    /// Whether one of these names stands for a path, or for what the file of that path is until it is whole; whether it is there yet or not.
+    /// Whether one of these names stands for a path, or for what the file of that path is until it is whole; whether it
+    /// is there yet or not.
     #[must_use]
     pub fn names(&self, names: &[&str], path: &Path) -> bool {
         let path = real_path(path);

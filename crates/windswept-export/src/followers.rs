@@ -1,20 +1,22 @@
 //! Followers: hairs that are not simulated and go with strands that are.
 //!
-//! A follower has a shape at the start and three guides, those of the strands of its group whose roots are nearest to its own:
+//! A follower has a shape at the start and three guides, those of the strands of its group whose roots are nearest to
+//! its own:
 //!
 //! ```text
 //! x(t) = sum_j w_j (g_j(t) + Q_j(t) (x(0) - g_j(0)))       Q_j = R_j(t) R_j(0)^-1
 //! ```
 //!
-//! where x is a point of the follower, `g_j` the point as far along guide j, and `R_j` the frame that clamps the guide's root. The
-//! weights are those with which the guides' roots average to the follower's, where that lies within their triangle, so that a
-//! rigid motion of all roots moves followers rigidly; and by the inverse square of the distance outside. At the start each follower
-//! has its own shape exactly, whatever the guides are: locks and curls do not average away. Its segments keep the lengths that they have
-//! there, by a second pass over its points (`lengths.rs`), and a follower that this leads into a body is laid on the body
-//! (`outside.rs`). Strands among the followers are left as the simulation has them.
+//! where x is a point of the follower, `g_j` the point as far along guide j, and `R_j` the frame that clamps the
+//! guide's root. The weights are those with which the guides' roots average to the follower's, where that lies within
+//! their triangle, so that a rigid motion of all roots moves followers rigidly; and by the inverse square of the
+//! distance outside. At the start each follower has its own shape exactly, whatever the guides are: locks and curls do
+//! not average away. Its segments keep the lengths that they have there, by a second pass over its points
+//! (`lengths.rs`), and a follower that this leads into a body is laid on the body (`outside.rs`). Strands among the
+//! followers are left as the simulation has them.
 //!
-//! Velocities are the derivative of the places, but for how the frames turn, which is nothing where weights average the roots, and for
-//! what a body changes.
+//! Velocities are the derivative of the places, but for how the frames turn, which is nothing where weights average the
+//! roots, and for what a body changes.
 
 mod bonds;
 mod ground;
@@ -79,9 +81,9 @@ pub(crate) struct Origin {
 impl Followers {
     /// The hairs that the strands of a scene stand for; `start` is the first frame of its run.
     ///
-    /// Where a group's groom file has more strands than are simulated, those are its hairs, in the file's order. Elsewhere each
-    /// strand has as many as it stands for (`hair.fibres_per_strand`), in its shape, on what it is rooted on; they come after the
-    /// strands themselves.
+    /// Where a group's groom file has more strands than are simulated, those are its hairs, in the file's order.
+    /// Elsewhere each strand has as many as it stands for (`hair.fibres_per_strand`), in its shape, on what it is
+    /// rooted on; they come after the strands themselves.
     ///
     /// # Errors
     /// [`ExportError::Picture`] if there is no strand, a groom file cannot be read any more, or the hairs are more than
@@ -129,8 +131,8 @@ impl Followers {
         Self::make(scene, start, groom, each, |simulated, _| (hairs * simulated).div_ceil(strands).max(1))
     }
 
-    /// The hairs, with as many to each strand as `each` says, and as many of a groom file's as `of_file` says by the number of the
-    /// group's strands and the number of the file's.
+    /// The hairs, with as many to each strand as `each` says, and as many of a groom file's as `of_file` says by the
+    /// number of the group's strands and the number of the file's.
     fn make(
         scene: &Scene,
         start: &HairFrame,
@@ -169,8 +171,8 @@ impl Followers {
         Ok(made)
     }
 
-    /// Appends so many of a file's curves, evenly chosen; where there are not as many, all of them, and then hairs of their shapes
-    /// beside them.
+    /// Appends so many of a file's curves, evenly chosen; where there are not as many, all of them, and then hairs of
+    /// their shapes beside them.
     fn of_file(&mut self, group: &Group<'_>, curves: &Curves, count: usize) {
         let there = curves.len();
         let point = |x: &[f64; 3]| Vec3::from_array(x.map(|x| x as f32));
@@ -204,7 +206,8 @@ impl Followers {
         }
     }
 
-    /// Appends hairs between the strands of a group, as many to each as `each` says: first one for each strand, which is itself.
+    /// Appends hairs between the strands of a group, as many to each as `each` says: first one for each strand, which
+    /// is itself.
     fn between(
         &mut self,
         group: &Group<'_>,
@@ -300,7 +303,8 @@ impl Followers {
         &self.start
     }
 
-    /// The followers when the strands are these, at `time` \[s\], which says where bodies are. They have no orientations.
+    /// The followers when the strands are these, at `time` \[s\], which says where bodies are. They have no
+    /// orientations.
     ///
     /// # Errors
     /// [`ExportError::Picture`] if these are other strands than those of the start.
@@ -366,7 +370,8 @@ fn hairs_of(fibres: f64) -> usize {
     fibres.round().max(1.0) as usize
 }
 
-/// Point `k` of `count` on a strand whose last point is number `last`: the points about it, and the part of the way between.
+/// Point `k` of `count` on a strand whose last point is number `last`: the points about it, and the part of the way
+/// between.
 fn between(last: f32, k: usize, count: usize) -> (usize, usize, f32) {
     let at = last * k as f32 / (count - 1) as f32;
     let a = (at as usize).min(last as usize);
@@ -398,8 +403,8 @@ struct Part {
     file: Option<Curves>,
 }
 
-/// The scene's groups, in the order of their strands; one that is none of the scene's where the strands are the caller's own, with all
-/// curves of `groom`.
+/// The scene's groups, in the order of their strands; one that is none of the scene's where the strands are the
+/// caller's own, with all curves of `groom`.
 fn parts(scene: &Scene, strands: usize, groom: Option<&Curves>) -> Result<Vec<Part>, ExportError> {
     let own = || vec![Part { hair: None, strands, file: groom.cloned() }];
     if groom.is_some() {

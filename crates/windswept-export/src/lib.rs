@@ -1,13 +1,14 @@
 //! Frames out of the engine, into files that other programs open.
 //!
-//! A [`Recording`] writes a simulation into a folder, frame by frame, in any of the [`FORMATS`]; a [`Run`] steps it from
-//! frame to frame of a [`Schedule`]. Both the `windswept` command and the Python package are made of these three.
+//! A [`Recording`] writes a simulation into a folder, frame by frame, in any of the [`FORMATS`]; a [`Run`] steps it
+//! from frame to frame of a [`Schedule`]. Both the `windswept` command and the Python package are made of these three.
 //!
-//! A format is a [`FrameSink`] and a row of [`FORMATS`]. [`VtkHdfWriter`] streams frames into a VTKHDF file (feature `vtkhdf`,
-//! on by default), for ParaView, VTK and h5py; [`VtkHdfReader`] reads such a file again. Strands also become USD files and NumPy arrays, and
-//! [`Followers`] are the hairs that go with them. [`Renderer`] draws pictures of
-//! frames; [`write_png`] and [`Preview`] save them, the latter as a GIF that moves. [`image`] is the crate that holds them.
-//! [`Measure`] describes a film of hair by a [`Measurement`]: swing, frequency, wavelength, turning, gathering and more.
+//! A format is a [`FrameSink`] and a row of [`FORMATS`]. [`VtkHdfWriter`] streams frames into a VTKHDF file (feature
+//! `vtkhdf`, on by default), for ParaView, VTK and h5py; [`VtkHdfReader`] reads such a file again. Strands also become
+//! USD files and NumPy arrays, and [`Followers`] are the hairs that go with them. [`Renderer`] draws pictures of
+//! frames; [`write_png`] and [`Preview`] save them, the latter as a GIF that moves. [`image`] is the crate that holds
+//! them. [`Measure`] describes a film of hair by a [`Measurement`]: swing, frequency, wavelength, turning, gathering
+//! and more.
 
 mod arrays;
 mod error;

@@ -18,10 +18,11 @@ use crate::strands::check_strands;
 use moment::{Moment, Start};
 use motion::Motion;
 
-/// Numbers of the frames of a window of time. `strands` in a definition are all strands alike, whatever number of hairs they stand for.
+/// Numbers of the frames of a window of time. `strands` in a definition are all strands alike, whatever number of hairs
+/// they stand for.
 ///
-/// `sideways` is within the plane across `axis`, the same for all strands and frames. A number that has no meaning is `None`, `null` in
-/// JSON: each definition says when.
+/// `sideways` is within the plane across `axis`, the same for all strands and frames. A number that has no meaning is
+/// `None`, `null` in JSON: each definition says when.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Measurement {
     /// Number of strands.
@@ -32,29 +33,31 @@ pub struct Measurement {
     pub from_s: f64,
     /// Time of the window's last frame \[s\].
     pub to_s: f64,
-    /// Direction that `sideways` is across, of length 1: that of the mean wind in the window; where that is zero, the mean direction from
-    /// root to tip.
+    /// Direction that `sideways` is across, of length 1: that of the mean wind in the window; where that is zero, the
+    /// mean direction from root to tip.
     pub axis: [f64; 3],
-    /// Swing: root mean square, over frames and strands, of the sideways displacement of each tip from its own mean place in the window.
-    /// Roots that move swing their tips too.
+    /// Swing: root mean square, over frames and strands, of the sideways displacement of each tip from its own mean
+    /// place in the window. Roots that move swing their tips too.
     pub swing_m: f64,
-    /// Swing of the bundle: root mean square of the sideways displacement of the mean of all tips from its own mean place.
+    /// Swing of the bundle: root mean square of the sideways displacement of the mean of all tips from its own mean
+    /// place.
     pub swing_bundle_m: f64,
-    /// Swing of strands within the bundle: as `swing_m`, of the tips' places relative to the mean of all tips. `swing_m`² =
-    /// `swing_bundle_m`² + `swing_strands_m`².
+    /// Swing of strands within the bundle: as `swing_m`, of the tips' places relative to the mean of all tips.
+    /// `swing_m`² = `swing_bundle_m`² + `swing_strands_m`².
     pub swing_strands_m: f64,
-    /// Dominant frequency: the peak of the spectrum, between its frequencies by the parabola through the logarithms of the peak's power and
-    /// its two neighbours'. `None` where `swing_m` is below a millionth of the strands' mean length.
+    /// Dominant frequency: the peak of the spectrum, between its frequencies by the parabola through the logarithms of
+    /// the peak's power and its two neighbours'. `None` where `swing_m` is below a millionth of the strands' mean
+    /// length.
     pub frequency_hz: Option<f64>,
-    /// Wavelength λ of the undulation along strands, a length along them: λ² = 4π² ∫|p|² ds / ∫|dp/ds|² ds, with the part p of a
-    /// strand's direction that is across its chord, which leads from root to tip, and the length s along the strand; both integrals are
-    /// sums over strands and frames. λ for displacements a sin(2π s/λ), at rest or travelling; the length of a turn for curls; twice the
-    /// strand's length for a single bow. 12 segments per wave make it 1 % too long. `None` where strands are straight: the root mean
-    /// square of p is below 0.001.
+    /// Wavelength λ of the undulation along strands, a length along them: λ² = 4π² ∫|p|² ds / ∫|dp/ds|² ds, with the
+    /// part p of a strand's direction that is across its chord, which leads from root to tip, and the length s along
+    /// the strand; both integrals are sums over strands and frames. λ for displacements a sin(2π s/λ), at rest or
+    /// travelling; the length of a turn for curls; twice the strand's length for a single bow. 12 segments per wave
+    /// make it 1 % too long. `None` where strands are straight: the root mean square of p is below 0.001.
     pub wavelength_m: Option<f64>,
-    /// Turning angle, its mean over strands and frames. The turning angle of a strand is the largest length of the sum of the rotation
-    /// vectors by which one segment's direction becomes the next's, from any segment to any later one. An arc turns by its angle, also
-    /// beyond 180°; a wave by twice its largest slope, however long it is.
+    /// Turning angle, its mean over strands and frames. The turning angle of a strand is the largest length of the sum
+    /// of the rotation vectors by which one segment's direction becomes the next's, from any segment to any later one.
+    /// An arc turns by its angle, also beyond 180°; a wave by twice its largest slope, however long it is.
     pub turning_mean_degrees: f64,
     /// Largest turning angle of all strands and frames.
     pub turning_largest_degrees: f64,
@@ -62,33 +65,38 @@ pub struct Measurement {
     pub turning_strand: usize,
     /// Time of the frame with the largest turning angle \[s\].
     pub turning_time_s: f64,
-    /// Turns of a curl, mean over strands and frames: the number of segments times the mean angle by which the bend, seen along the chord,
-    /// goes on from one segment to the next, over 360°. The mean is weighted by the square of the bend. Curls that reverse their sense
-    /// cancel. 0 for bends in a plane, and for curls with less than three segments per turn.
+    /// Turns of a curl, mean over strands and frames: the number of segments times the mean angle by which the bend,
+    /// seen along the chord, goes on from one segment to the next, over 360°. The mean is weighted by the square of the
+    /// bend. Curls that reverse their sense cancel. 0 for bends in a plane, and for curls with less than three segments
+    /// per turn.
     pub turns: f64,
-    /// Gathering: the mean distance to the four nearest strands at 0.8 of the length over the same at the roots, each a mean over strands
-    /// and frames. `None` for a single strand or roots in one place; fewer than five strands have all others as their nearest.
+    /// Gathering: the mean distance to the four nearest strands at 0.8 of the length over the same at the roots, each a
+    /// mean over strands and frames. `None` for a single strand or roots in one place; fewer than five strands have all
+    /// others as their nearest.
     pub gathering: Option<f64>,
-    /// Coherence: correlation Σ vᵢ·vⱼ / √(Σ vᵢ² Σ vⱼ²) of the velocities of tips i and those j of the four strands that are nearest at the
-    /// roots in the film's first frame; sums over pairs and frames, each v about its own mean in the window. 1: neighbours move alike; 0:
-    /// as if unrelated. Without velocities in the film they are differences of places. `None` for a single strand, or where nothing moves.
+    /// Coherence: correlation Σ vᵢ·vⱼ / √(Σ vᵢ² Σ vⱼ²) of the velocities of tips i and those j of the four strands that
+    /// are nearest at the roots in the film's first frame; sums over pairs and frames, each v about its own mean in the
+    /// window. 1: neighbours move alike; 0: as if unrelated. Without velocities in the film they are differences of
+    /// places. `None` for a single strand, or where nothing moves.
     pub coherence: Option<f64>,
-    /// Lean: angle between gravity and the direction from root to tip, mean over strands and frames. 0° hangs, 90° stands out level.
+    /// Lean: angle between gravity and the direction from root to tip, mean over strands and frames. 0° hangs, 90°
+    /// stands out level.
     pub lean_degrees: f64,
-    /// Stretch: largest |l/l0 − 1| of all segments and frames, with the length l0 in the film's first frame, be it in the window or not.
-    /// A film rounds places to f32: 1e-4 for segments of 1 mm that are 1 m from the origin.
+    /// Stretch: largest |l/l0 − 1| of all segments and frames, with the length l0 in the film's first frame, be it in
+    /// the window or not. A film rounds places to f32: 1e-4 for segments of 1 mm that are 1 m from the origin.
     pub stretch: f64,
     /// Frequencies of the spectrum: 1/T, 2/T, ..., with T the number of frames times the time between two.
     pub spectrum_frequency_hz: Vec<f64>,
-    /// Power spectrum of the tips' sideways displacement from their mean places, under a Hann window, one-sided: sum over both sideways
-    /// directions, mean over strands. Its sum times 1/T is `swing_m`² as far as the window lets it.
+    /// Power spectrum of the tips' sideways displacement from their mean places, under a Hann window, one-sided: sum
+    /// over both sideways directions, mean over strands. Its sum times 1/T is `swing_m`² as far as the window lets it.
     pub spectrum_power_m2_per_hz: Vec<f64>,
 }
 
 /// The window of time that is measured, and the direction of gravity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MeasureOptions {
-    /// Start of the window \[s\]; `None`: [`MeasureOptions::START`], or the film's first frame where the film ends before twice that.
+    /// Start of the window \[s\]; `None`: [`MeasureOptions::START`], or the film's first frame where the film ends
+    /// before twice that.
     pub from: Option<f64>,
     /// End of the window \[s\]; `None`: the film's last frame.
     pub to: Option<f64>,
@@ -122,8 +130,8 @@ impl Measure {
         Self { options, start: None, moments: Vec::new() }
     }
 
-    /// The next frame: its time \[s\], its strands, and the mean wind then \[m/s\], which is zero where none is known. Strands are compared
-    /// with the first frame's; frames before the window may be left out after that.
+    /// The next frame: its time \[s\], its strands, and the mean wind then \[m/s\], which is zero where none is known.
+    /// Strands are compared with the first frame's; frames before the window may be left out after that.
     ///
     /// # Errors
     /// [`ExportError::Film`] if the time is not behind that of the last frame, if points do not make strands or are not finite, or if the
@@ -187,8 +195,8 @@ impl Measure {
     }
 }
 
-/// Measures a film, `hair.vtkhdf`, of which it reads the first frame and those of the window. `wind` is the mean wind \[m/s\] at a time
-/// \[s\], zero where none is known.
+/// Measures a film, `hair.vtkhdf`, of which it reads the first frame and those of the window. `wind` is the mean wind
+/// \[m/s\] at a time \[s\], zero where none is known.
 ///
 /// # Errors
 /// [`ExportError::File`] if the film cannot be read; [`ExportError::Film`], with its path, as [`Measure::add`] and [`Measure::finish`], and

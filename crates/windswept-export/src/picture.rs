@@ -16,7 +16,8 @@ const MAX_PIXELS: u64 = 128 << 20;
 /// Keyword of the text in a PNG that names the program which made it, and this program.
 const MAKER: [&str; 2] = ["Software", "windswept"];
 
-/// Writes a picture as PNG, RGB without its alpha, which says that windswept made it: all of it or, where the disk refuses, the file that was there before.
+/// Writes a picture as PNG, RGB without its alpha, which says that windswept made it: all of it or, where the disk
+/// refuses, the file that was there before.
 ///
 /// # Errors
 /// [`ExportError::File`] if it cannot be written.
@@ -63,7 +64,8 @@ pub(crate) fn read_png(path: impl AsRef<Path>) -> Result<RgbaImage, ExportError>
     Ok(picture.map_err(|e| failed(e.to_string()))?.into_rgba8())
 }
 
-/// Checks that pictures of these widths and heights make a contact sheet, before there are any in memory. Returns the size that they have.
+/// Checks that pictures of these widths and heights make a contact sheet, before there are any in memory. Returns the
+/// size that they have.
 ///
 /// # Errors
 /// As [`contact_sheet`].
@@ -90,7 +92,8 @@ pub fn check_sheet(sizes: &[(u32, u32)]) -> Result<(u32, u32), ExportError> {
     Ok((width, height))
 }
 
-/// Columns and rows of a sheet of so many pictures: 2 x 2 rather than 4 x 1, as a row of wide pictures is too low to look at.
+/// Columns and rows of a sheet of so many pictures: 2 x 2 rather than 4 x 1, as a row of wide pictures is too low to
+/// look at.
 fn cells(pictures: u64) -> [u64; 2] {
     let columns = match pictures {
         0..=3 => pictures.max(1),

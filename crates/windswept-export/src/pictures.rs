@@ -41,7 +41,8 @@ impl Pictures {
         Ok(Self { renderer, preview, folder: folder.join("frames"), made: 0, written: Vec::new() })
     }
 
-    /// Goes on with a film whose first frames, at these times \[s\], were drawn; [`FrameSink::cut`] removes the pictures behind them.
+    /// Goes on with a film whose first frames, at these times \[s\], were drawn; [`FrameSink::cut`] removes the
+    /// pictures behind them.
     ///
     /// # Errors
     /// [`ExportError::File`] if a picture is missing, or cannot be read where the preview shows it.

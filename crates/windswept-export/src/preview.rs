@@ -22,8 +22,8 @@ const UNCHANGED: u8 = 7;
 /// The training of a palette looks at every so many pixels.
 const SPEED: i32 = 4;
 
-/// Writes a GIF of pictures as they come, at true speed: up to 3 s from the first one on, about 15 pictures a second, up to
-/// 512 pixels wide and high, over and over.
+/// Writes a GIF of pictures as they come, at true speed: up to 3 s from the first one on, about 15 pictures a second,
+/// up to 512 pixels wide and high, over and over.
 pub struct Preview {
     path: PathBuf,
     /// The film as it grows, and what becomes its file.

@@ -6,7 +6,8 @@
 //! backdrop, patch, bodies, ribbons, air --> 16 samples a pixel --average--> RGBA8
 //! ```
 //!
-//! The points of strands and followers are all that goes to the GPU for a frame; what is drawn between them is made there.
+//! The points of strands and followers are all that goes to the GPU for a frame; what is drawn between them is made
+//! there.
 
 mod bodies;
 mod groom;
@@ -237,7 +238,8 @@ fn samples(hair: &HairFrame) -> u32 {
 mod tests {
     use super::*;
 
-    /// Each point of a strand is one of those that its hair is drawn with, and a strand of few points is drawn with more.
+    /// Each point of a strand is one of those that its hair is drawn with, and a strand of few points is drawn with
+    /// more.
     #[test]
     fn points_of_strands_are_drawn() {
         for points in [2, 3, 10, 34, 100] {

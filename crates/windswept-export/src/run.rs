@@ -145,8 +145,8 @@ impl Run {
         Self { schedule, pace: Pace::of(length), next, checkpoints: None }
     }
 
-    /// The run with a stop for a checkpoint at each multiple of `every` steps, at the start and at the end; none at the step `last`,
-    /// of which there is one already.
+    /// The run with a stop for a checkpoint at each multiple of `every` steps, at the start and at the end; none at the
+    /// step `last`, of which there is one already.
     #[must_use]
     pub fn with_checkpoints(self, every: NonZeroU64, last: Option<u64>) -> Self {
         Self { checkpoints: Some((every, last)), ..self }
@@ -249,8 +249,8 @@ impl Recording {
         Self::behind(formats, simulation, folder, frames, &[])
     }
 
-    /// Goes on with the files of a run that was ended, behind the frames of these times \[s\]. Changes nothing: [`Self::cut`] drops what
-    /// is behind them, once all formats were found to have them.
+    /// Goes on with the files of a run that was ended, behind the frames of these times \[s\]. Changes nothing:
+    /// [`Self::cut`] drops what is behind them, once all formats were found to have them.
     ///
     /// # Errors
     /// [`ExportError`] if a format has not these frames, or cannot take the state of `simulation`.
@@ -287,8 +287,8 @@ impl Recording {
         self.sinks.iter_mut().try_for_each(|(_, sink)| sink.cut(&first))
     }
 
-    /// Writes the state as the next frame, which is later than the one before; the folder is there by now. Returns what the recording
-    /// has to go on without.
+    /// Writes the state as the next frame, which is later than the one before; the folder is there by now. Returns what
+    /// the recording has to go on without.
     ///
     /// # Errors
     /// [`ExportError`] if the state cannot be read or is not later, and no format has the frame; or if a format that cannot be made again
@@ -392,8 +392,8 @@ mod tests {
         }
     }
 
-    /// A frame that one format refuses is in all others, and so are those behind it; one that is not later is in none. A format that is
-    /// lost beside a failure is told of later.
+    /// A frame that one format refuses is in all others, and so are those behind it; one that is not later is in none.
+    /// A format that is lost beside a failure is told of later.
     #[test]
     fn a_format_that_fails_costs_the_others_no_frame() {
         let frames: [Arc<AtomicU32>; 4] = Default::default();

@@ -18,8 +18,8 @@ pub trait FrameSink: Send {
     /// [`ExportError`] if the frame does not belong here or cannot be written.
     fn append(&mut self, frame: &Frame) -> Result<(), ExportError>;
 
-    /// Drops the frames behind those of [`Start::written`]; comes before the first frame is appended, once every format of the run was
-    /// found to go on. `first` is that of [`Start`].
+    /// Drops the frames behind those of [`Start::written`]; comes before the first frame is appended, once every format
+    /// of the run was found to go on. `first` is that of [`Start`].
     ///
     /// # Errors
     /// [`ExportError::File`] if the files cannot be changed.
@@ -27,7 +27,8 @@ pub trait FrameSink: Send {
         Ok(())
     }
 
-    /// Makes what was appended outlast the machine too, before a checkpoint behind it is written. What can be made again need not.
+    /// Makes what was appended outlast the machine too, before a checkpoint behind it is written. What can be made
+    /// again need not.
     ///
     /// # Errors
     /// [`ExportError`] if the disk refuses.
@@ -42,7 +43,8 @@ pub trait FrameSink: Send {
     fn finish(self: Box<Self>) -> Result<(), ExportError>;
 }
 
-/// Whether a frame of this time may come behind one of the time `last`: in every film each frame is later than the one before.
+/// Whether a frame of this time may come behind one of the time `last`: in every film each frame is later than the one
+/// before.
 pub(crate) fn is_later(time: f64, last: f64) -> bool {
     time.is_finite() && time > last
 }
@@ -54,19 +56,21 @@ pub struct Format {
     pub name: &'static str,
     /// What the format writes, as the help of `--formats` names it and the warning `no more {writes}`.
     pub writes: &'static str,
-    /// Names of its files within the run's folder. A stem of zeros, as in `frames/0000.png`, stands for a file per frame.
+    /// Names of its files within the run's folder. A stem of zeros, as in `frames/0000.png`, stands for a file per
+    /// frame.
     pub files: &'static [&'static str],
-    /// `windswept render` can make these files from the others. A run goes on without them when one cannot be written, since
-    /// what was simulated is worth more.
+    /// `windswept render` can make these files from the others. A run goes on without them when one cannot be written,
+    /// since what was simulated is worth more.
     pub made_again: bool,
-    /// Makes its sink, and changes nothing: files are made when the first frame is appended. Where frames are there already, the sink
-    /// can go on behind them, and [`FrameSink::cut`] drops what is there beyond.
+    /// Makes its sink, and changes nothing: files are made when the first frame is appended. Where frames are there
+    /// already, the sink can go on behind them, and [`FrameSink::cut`] drops what is there beyond.
     pub create: fn(&Start<'_>) -> Result<Box<dyn FrameSink>, ExportError>,
 }
 
 /// Every format there is, in the order in which a frame is written.
 ///
-/// The command's `--formats` with its help, the files that `--overwrite` replaces, and Python's `Writer` follow from it.
+/// The command's `--formats` with its help, the files that `--overwrite` replaces, and Python's `Writer` follow from
+/// it.
 pub const FORMATS: &[Format] = &[
     #[cfg(feature = "vtkhdf")]
     Format {
@@ -116,11 +120,13 @@ pub struct Start<'a> {
     pub gpu: &'a Gpu,
     /// The scene as it runs.
     pub scene: &'a Scene,
-    /// All curves of a caller's own groom, where some of them follow the strands: [`windswept_scene::InitialState::followers`].
+    /// All curves of a caller's own groom, where some of them follow the strands:
+    /// [`windswept_scene::InitialState::followers`].
     pub groom: Option<&'a Curves>,
     /// The first frame of the run, of which that of a run which goes on has the strands only.
     pub first: &'a Frame,
-    /// Times of the frames that are in the folder already, from the first on, and that the sink goes on behind \[s\]; of a new run none.
+    /// Times of the frames that are in the folder already, from the first on, and that the sink goes on behind \[s\];
+    /// of a new run none.
     pub written: &'a [f64],
     /// Number of frames that there may be.
     pub frames: usize,

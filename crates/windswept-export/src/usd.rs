@@ -12,12 +12,14 @@
 //!     extent.timeSamples      \[m\]: corners of the box about the curves with their widths
 //! ```
 //!
-//! A text file can only grow at its end, and in a file the samples of one attribute follow one another. So [`UsdWriter`], which
-//! writes a film while it is simulated, gives each of the three attributes a layer of its own; the one with the points has the
-//! others as its sublayers. [`write_usda`] makes one file of a film that is there already, an attribute at a time.
+//! A text file can only grow at its end, and in a file the samples of one attribute follow one another. So
+//! [`UsdWriter`], which writes a film while it is simulated, gives each of the three attributes a layer of its own; the
+//! one with the points has the others as its sublayers. [`write_usda`] makes one file of a film that is there already,
+//! an attribute at a time.
 //!
-//! A layer that grows ends with `END`, which closes what is open and begins a comment. A sample is written into the comment, with
-//! an `END` of its own, and then the one before it is made blank by a single write. So a layer can be read at any moment.
+//! A layer that grows ends with `END`, which closes what is open and begins a comment. A sample is written into the
+//! comment, with an `END` of its own, and then the one before it is made blank by a single write. So a layer can be
+//! read at any moment.
 //!
 //! Sources: OpenUSD, "UsdGeomBasisCurves"; Epic Games, "Using Alembic for Grooms", for the names after `primvars:`.
 
@@ -57,7 +59,8 @@ impl UsdWriter {
     /// Names of the files of a film: the stage, and the layers that it is composed of besides.
     pub const FILES: [&str; 3] = ["hair.usda", "hair.velocities.usda", "hair.extent.usda"];
 
-    /// Begins a film in a folder with the strands of `hair`, at `rate` time codes per second. Files of its names are replaced.
+    /// Begins a film in a folder with the strands of `hair`, at `rate` time codes per second. Files of its names are
+    /// replaced.
     ///
     /// # Errors
     /// [`ExportError::Frame`] if there is no strand or its arrays make no sense; [`ExportError::File`] if a file cannot be written.
@@ -79,8 +82,8 @@ impl UsdWriter {
         Ok(Self { path, layers, offsets: hair.offsets.clone(), rate, last: f64::NEG_INFINITY, text: String::new() })
     }
 
-    /// Goes on with a film of such strands, which may be that of a killed run, behind its frames at these times \[s\]; those behind
-    /// them are dropped.
+    /// Goes on with a film of such strands, which may be that of a killed run, behind its frames at these times \[s\];
+    /// those behind them are dropped.
     ///
     /// # Errors
     /// As [`Self::create`], and [`ExportError::Frame`] if the files have other strands or not these frames.
@@ -154,8 +157,8 @@ impl UsdWriter {
     }
 }
 
-/// Writes one file of a film of `frames` frames, of which `frame` makes any, time and again; each attribute's samples follow one
-/// another in it. A file at `path` is replaced once all is written.
+/// Writes one file of a film of `frames` frames, of which `frame` makes any, time and again; each attribute's samples
+/// follow one another in it. A file at `path` is replaced once all is written.
 ///
 /// # Errors
 /// [`ExportError::Frame`] if there is no frame, or frames have no strands or not the same; [`ExportError::File`] if the file cannot

@@ -28,10 +28,10 @@
 //! /windswept                     version, adapter, seed; scene: its text as run
 //! ```
 //!
-//! Everything but `Values` has its final size before frame 0, and its place in the file. What describes the file changes
-//! with a frame in two numbers only, `NSteps` and the length of `Values`, which are written at once, after the frame. So a
-//! killed run leaves a file that opens and shows the frames it finished. While a run goes on HDF5 locks its file; a copy
-//! can be opened.
+//! Everything but `Values` has its final size before frame 0, and its place in the file. What describes the file
+//! changes with a frame in two numbers only, `NSteps` and the length of `Values`, which are written at once, after the
+//! frame. So a killed run leaves a file that opens and shows the frames it finished. While a run goes on HDF5 locks its
+//! file; a copy can be opened.
 //!
 //! Source: VTK's "VTKHDF format specification", version 2.0.
 
@@ -103,9 +103,9 @@ impl VtkHdfWriter {
     /// Lays out a file for up to `frames` frames with the strands or the number of air particles of `frame`, which is
     /// not yet appended. Fewer frames are a correct file too.
     ///
-    /// Replaces a file at `path`, once the new one is laid out beside it, with `.part` behind its name; a program that has the old one open
-    /// keeps it. The new one has its final size, [`VtkHdfWriter::bytes`], at once; on a file system with sparse files it fills its room as
-    /// frames come in.
+    /// Replaces a file at `path`, once the new one is laid out beside it, with `.part` behind its name; a program that
+    /// has the old one open keeps it. The new one has its final size, [`VtkHdfWriter::bytes`], at once; on a file
+    /// system with sparse files it fills its room as frames come in.
     ///
     /// # Errors
     /// [`ExportError::Frame`] if `frame` has nothing of this kind or its strands make no sense, or if so many frames fit
@@ -156,8 +156,9 @@ impl VtkHdfWriter {
         }
     }
 
-    /// Goes on with a file of such frames, which may be that of a killed run, behind its first `written` frames; those behind them are
-    /// dropped. Where it has not room for `frames` frames in all, it is laid out anew, with `.part` behind its name until that is done.
+    /// Goes on with a file of such frames, which may be that of a killed run, behind its first `written` frames; those
+    /// behind them are dropped. Where it has not room for `frames` frames in all, it is laid out anew, with `.part`
+    /// behind its name until that is done.
     ///
     /// # Errors
     /// As [`VtkHdfWriter::create`], and [`ExportError::Frame`] if the file has fewer frames or is not of such.

@@ -132,7 +132,8 @@ fn a_thin_hair_does_not_break_up() {
         };
         let uneven: Vec<f64> = columns.windows(17).map(uneven).collect();
         let rms = (uneven.iter().sum::<f64>() / uneven.len() as f64).sqrt();
-        // Measured 0.02 to 0.04; 0.01 to 0.17 and more with 4 samples a pixel and ribbons a pixel wide across themselves.
+        // Measured 0.02 to 0.04; 0.01 to 0.17 and more with 4 samples a pixel and ribbons a pixel wide across
+        // themselves.
         assert!(rms < 0.08, "slope {slope}: {rms:.3} of the mean");
     }
 }

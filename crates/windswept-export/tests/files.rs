@@ -13,8 +13,8 @@ use windswept_export::{Preview, Renderer, check_sheet, contact_sheet, image, wri
 
 use groom::{draw, gpu, scene, strands};
 
-/// What Pillow finds: format, width, height, loop, pictures, whole, shortest and longest duration [ms], mean error of the
-/// last picture.
+/// What Pillow finds: format, width, height, loop, pictures, whole, shortest and longest duration [ms], mean error of
+/// the last picture.
 fn look(folder: &Path, picture: &RgbaImage, last: &RgbaImage) -> (String, f64) {
     let rgb = |picture: &RgbaImage| picture.pixels().flat_map(|p| [p[0], p[1], p[2]]).collect::<Vec<u8>>();
     std::fs::write(folder.join("picture.rgb"), rgb(picture)).unwrap();
@@ -30,7 +30,8 @@ fn look(folder: &Path, picture: &RgbaImage, last: &RgbaImage) -> (String, f64) {
     (found.into(), error.parse().unwrap())
 }
 
-/// A film of drawn hair, 4 s at 60 frames a second: the PNG has every pixel, the GIF 45 pictures in just under 3 s, for ever.
+/// A film of drawn hair, 4 s at 60 frames a second: the PNG has every pixel, the GIF 45 pictures in just under 3 s, for
+/// ever.
 #[test]
 fn pillow_opens_what_was_drawn() {
     let roots: Vec<Vec3> = (0..60).map(|i| Vec3::new(-0.02, 0.0004 * i as f32 - 0.0118, 0.0)).collect();
@@ -94,7 +95,8 @@ fn sheets_lie_side_by_side() {
     assert_eq!(contact_sheet(&[1, 2, 3].map(picture)).unwrap().dimensions(), (38, 6));
     assert!(contact_sheet(&[]).is_err());
     assert!(contact_sheet(&[picture(1), RgbaImage::new(10, 7)]).is_err());
-    // 128 Mi pixels: 32 pictures of 2048 x 2048 with the space about them, hundreds of thousands that are hardly more than that.
+    // 128 Mi pixels: 32 pictures of 2048 x 2048 with the space about them, hundreds of thousands that are hardly more
+    // than that.
     for (size, fit) in [((2044, 2044), 32), ((16, 12), 419_428)] {
         assert_eq!(check_sheet(&vec![size; fit]).unwrap(), size);
         let (refused, (width, height)) = (check_sheet(&vec![size; fit + 1]).unwrap_err().to_string(), size);

@@ -136,8 +136,8 @@ fn foreign_files_are_refused() {
     expect(reader.frame(2).map(drop), &["film.vtkhdf", "frame 2 was asked for, the file has 2"]);
 }
 
-/// A film whose structures lead in a circle, onto one another or beyond is refused, with where they do: libhdf5 would follow them for ever, or
-/// make room for what is not there.
+/// A film whose structures lead in a circle, onto one another or beyond is refused, with where they do: libhdf5 would
+/// follow them for ever, or make room for what is not there.
 #[test]
 fn films_that_lead_in_circles_are_refused() {
     let folder = tempfile::tempdir().unwrap();
@@ -146,7 +146,8 @@ fn films_that_lead_in_circles_are_refused() {
     let whole = std::fs::read(&path).unwrap();
     let find = |words: &[u8]| whole.windows(words.len()).position(|bytes| bytes == words).unwrap();
     let number = |at: usize| u64::from_le_bytes(whole[at..at + 8].try_into().unwrap());
-    // The free space of the first local heap, the space left in the first global heap behind its texts, and the first symbol.
+    // The free space of the first local heap, the space left in the first global heap behind its texts, and the first
+    // symbol.
     let (heap, texts, symbols) = (find(b"HEAP"), find(b"GCOL"), find(b"SNOD"));
     let free = number(heap + 24) + number(heap + 16);
     let mut left = texts + 16;

@@ -21,7 +21,8 @@ use film::{PROVENANCE, assert_holds, film, finished, frame};
 /// Tells this test program to write frames until it is killed: the number after which it stops to wait, the file.
 const VICTIM: &str = "WINDSWEPT_TEST_VICTIM";
 
-/// Held by a test as long as it starts processes or has files open: those of one would have the files of the other, with their locks.
+/// Held by a test as long as it starts processes or has files open: those of one would have the files of the other,
+/// with their locks.
 static ALONE: Mutex<()> = Mutex::new(());
 
 fn alone() -> MutexGuard<'static, ()> {
@@ -60,8 +61,8 @@ fn killed_while_writing() {
     }
 }
 
-/// The file of a process that was killed at any moment goes on behind any of its frames: what was behind is dropped, and what is
-/// appended stands there. It does so in place, or in a file with more room.
+/// The file of a process that was killed at any moment goes on behind any of its frames: what was behind is dropped,
+/// and what is appended stands there. It does so in place, or in a file with more room.
 #[test]
 fn a_killed_film_goes_on() {
     let _alone = alone();

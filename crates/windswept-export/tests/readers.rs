@@ -13,8 +13,8 @@ use windswept_export::Kind;
 
 use film::{PROVENANCE, dump, film, write};
 
-/// read_back.py compares what VTK and h5py see with plain dumps of the frames, every step, in and out of order; a film cut
-/// short has as many steps as frames were written.
+/// read_back.py compares what VTK and h5py see with plain dumps of the frames, every step, in and out of order; a film
+/// cut short has as many steps as frames were written.
 #[test]
 fn vtk_and_h5py_read_every_frame() {
     // One after the other: a child inherits its parent's open files with their locks.

@@ -33,7 +33,8 @@ fn roots_stay_where_they_are() {
     let bent = strands(&roots, 0.02 * Vec3::new(0.866, -0.5, 0.0));
     let bent = draw(&renderer, &HairFrame { root_frames: start.root_frames.clone(), ..bent });
     let (columns, _) = differs(&bent, &empty);
-    // A ribbon's corner reaches half a pixel beyond its end. Rotated with the first segment, roots would leave by 2 mm, 10 px.
+    // A ribbon's corner reaches half a pixel beyond its end. Rotated with the first segment, roots would leave by 2 mm,
+    // 10 px.
     assert!((159..162).contains(&straight.start) && (159..162).contains(&columns.start), "{straight:?}, {columns:?}");
     // All along the plane: of 16 mm, 80 px.
     let rooted = (60..140).filter(|&y| (160..164).any(|x| difference(&bent, &empty, x, y) > 4)).count();
@@ -67,7 +68,8 @@ fn leaning_hair_grows_from_its_plate() {
     assert!(columns.start > 108 && columns.end > 250, "{columns:?}");
 }
 
-/// Hair on a ball of triangles: the hairs that go with the strands are rooted on it too, and it is drawn where its keyframes have it.
+/// Hair on a ball of triangles: the hairs that go with the strands are rooted on it too, and it is drawn where its
+/// keyframes have it.
 #[test]
 fn hair_on_a_mesh_grows_from_it() {
     let asked =

@@ -28,8 +28,8 @@ fn read_back(folder: &Path, frames: usize) {
     );
 }
 
-/// A film that is written frame by frame, one that goes on and one that is written at once hold the same; so does the first
-/// after each of its frames.
+/// A film that is written frame by frame, one that goes on and one that is written at once hold the same; so does the
+/// first after each of its frames.
 #[test]
 fn usd_reads_every_frame() {
     let folder = tempfile::tempdir().unwrap();
@@ -75,7 +75,8 @@ fn a_frame_that_was_begun_is_not_seen() {
     for part in [0.0, 0.3, 0.99, 1.0] {
         for ((name, before), after) in UsdWriter::FILES.iter().zip(&before).zip(&after) {
             let end = before.len() + (part * (after.len() - before.len()) as f64) as usize;
-            // What is at the end comes first; the stage's last time code, and the end of the samples before, come after.
+            // What is at the end comes first; the stage's last time code, and the end of the samples before, come
+            // after.
             let begun = [before, &after[before.len()..end]].concat();
             std::fs::write(folder.path().join(name), begun).unwrap();
         }
@@ -127,7 +128,8 @@ fn invalid_frames_are_refused() {
     assert!(error.contains("a.usda") && error.contains("No such file"), "{error}");
 }
 
-/// Files that were cut or changed anywhere are refused, or the film goes on behind the frames that are whole; nothing panics.
+/// Files that were cut or changed anywhere are refused, or the film goes on behind the frames that are whole; nothing
+/// panics.
 #[test]
 fn altered_films_do_no_harm() {
     let whole = tempfile::tempdir().unwrap();

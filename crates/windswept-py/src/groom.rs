@@ -17,8 +17,8 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// Strands of your own, or of a groom file (`Groom.load`): they replace the scene's [hair] wholly.
 ///
-/// Each value is a scalar or an array `(strands,)`. Where only some strands are guides, those are simulated, and all strands are the
-/// simulation's `followers`, which go with them.
+/// Each value is a scalar or an array `(strands,)`. Where only some strands are guides, those are simulated, and all
+/// strands are the simulation's `followers`, which go with them.
 ///
 /// Args:
 ///     points: `(strands, n, 3)` or, with offsets, `(points, 3)` floats, root to tip [m].
@@ -136,10 +136,10 @@ impl Groom {
 
     /// Reads strands from a groom file, as `hair.file` of a scene does.
     ///
-    /// The ending of the name says the format: .hair, .data, .bin, .npz, .npy or .ply. All strands of the file are the groom's, but for
-    /// those that cannot be simulated. Where the file marks guides (`guides` of a .npz), or `strands` asks for fewer than there are,
-    /// only those are simulated, and the others follow them: `guides` says which. A `UserWarning` says how many strands are left out,
-    /// and how many follow.
+    /// The ending of the name says the format: .hair, .data, .bin, .npz, .npy or .ply. All strands of the file are the
+    /// groom's, but for those that cannot be simulated. Where the file marks guides (`guides` of a .npz), or `strands`
+    /// asks for fewer than there are, only those are simulated, and the others follow them: `guides` says which. A
+    /// `UserWarning` says how many strands are left out, and how many follow.
     ///
     /// Args:
     ///     path: the file.
@@ -203,10 +203,11 @@ impl Groom {
         Ok(Self { inner })
     }
 
-    /// Writes all strands to a groom file, in metres; the ending of its name says the format: .hair, .data, .npz, .npy, .ply.
+    /// Writes all strands to a groom file, in metres; the ending of its name says the format: .hair, .data, .npz, .npy,
+    /// .ply.
     ///
-    /// A .npz file keeps everything: `points`, `offsets`, `ids`, `radius`, `groups`, `root_uv`, `guides` and `meters_per_unit`. A `UserWarning`
-    /// says what of it another format cannot hold. A file that is there is replaced.
+    /// A .npz file keeps everything: `points`, `offsets`, `ids`, `radius`, `groups`, `root_uv`, `guides` and
+    /// `meters_per_unit`. A `UserWarning` says what of it another format cannot hold. A file that is there is replaced.
     ///
     /// Raises:
     ///     SceneError: a format that cannot hold the strands; a file that cannot be written.

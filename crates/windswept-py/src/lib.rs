@@ -1,12 +1,12 @@
 //! The native module of the Python package `windswept`: conversions between Python and the engine, and nothing else.
 //!
-//! Arrays come in as any float dtype and layout. NumPy makes contiguous float64 of those that are something else, and from
-//! there they are copied once.
+//! Arrays come in as any float dtype and layout. NumPy makes contiguous float64 of those that are something else, and
+//! from there they are copied once.
 //!
-//! Positions, velocities and orientations go out as `float32`, C order, with one copy on the CPU: from the memory that the
-//! driver has mapped (three floats of each four, in world coordinates) into memory that belongs to the NumPy array alone.
-//! `air.vorticity` goes the same way; `air.density_ratio` and `air.band_energy` are copied twice, and `render` copies a
-//! picture's rows once to take their padding out.
+//! Positions, velocities and orientations go out as `float32`, C order, with one copy on the CPU: from the memory that
+//! the driver has mapped (three floats of each four, in world coordinates) into memory that belongs to the NumPy array
+//! alone. `air.vorticity` goes the same way; `air.density_ratio` and `air.band_energy` are copied twice, and `render`
+//! copies a picture's rows once to take their padding out.
 //!
 //! The engine runs with the interpreter released, and no panic reaches Python: `without_gil`.
 

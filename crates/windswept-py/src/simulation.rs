@@ -40,8 +40,8 @@ use crate::{
 ///         frame.time, frame.hair.positions
 ///     sim.report()["max_stretch"]
 ///
-/// SI, right-handed, Y up. Between steps, `set_roots`, `set_pins`, `set_wind`, `set_force`, `set_hair` and `set_air` drive it; `run` calls back for
-/// that. `render` draws it, `VtkHdfWriter` writes it.
+/// SI, right-handed, Y up. Between steps, `set_roots`, `set_pins`, `set_wind`, `set_force`, `set_hair` and `set_air`
+/// drive it; `run` calls back for that. `render` draws it, `VtkHdfWriter` writes it.
 ///
 /// Args:
 ///     scene: what to simulate.
@@ -49,8 +49,9 @@ use crate::{
 ///     adapter: "software", or part of an adapter's name; None: WGPU_ADAPTER_NAME, else the best. Simulations on the same
 ///         adapter share its device; each may be stepped from a thread of its own.
 ///
-/// A `UserWarning` for each of the state's warnings, which `report()["warnings"]` has too, says what `windswept check` would: strands
-/// of a file that are left out or do not hang as given, hair inside bodies, a step that is too long for the wind.
+/// A `UserWarning` for each of the state's warnings, which `report()["warnings"]` has too, says what `windswept check`
+/// would: strands of a file that are left out or do not hang as given, hair inside bodies, a step that is too long for
+/// the wind.
 ///
 /// Raises:
 ///     SceneError: the scene's initial state cannot be made.
@@ -152,9 +153,11 @@ impl Simulation {
         }
     }
 
-    /// The next n frames of the scene's frame rate, stepping as they are asked for; None: all that its duration has left.
+    /// The next n frames of the scene's frame rate, stepping as they are asked for; None: all that its duration has
+    /// left.
     ///
-    /// Frame k is the state after step round(k / (frame_rate dt)). `len()` of it is n: `for frame in tqdm(sim.frames(240))`.
+    /// Frame k is the state after step round(k / (frame_rate dt)). `len()` of it is n: `for frame in
+    /// tqdm(sim.frames(240))`.
     #[pyo3(signature = (n=None))]
     fn frames(slf: &Bound<'_, Self>, n: Option<i64>) -> PyResult<Frames> {
         Frames::new(slf, n)
@@ -210,8 +213,8 @@ impl Simulation {
         Air { sim: slf.clone().unbind() }
     }
 
-    /// All hairs that the strands stand for, now: those of the groom, or of the scene's groom file, where it has more than are simulated,
-    /// or fibres_per_strand to each strand. The strands are among them.
+    /// All hairs that the strands stand for, now: those of the groom, or of the scene's groom file, where it has more
+    /// than are simulated, or fibres_per_strand to each strand. The strands are among them.
     ///
     /// Raises:
     ///     ExportError: a groom file that cannot be read any more.
@@ -239,8 +242,9 @@ impl Simulation {
         self.engine(py, windswept::Simulation::keep_trace)
     }
 
-    /// Writes what was kept since `keep_trace` as a trace in Chrome's format, for chrome://tracing or Perfetto: a bar for each
-    /// run of a pass. About one step in eight is timed, from the second on; none where the adapter has no timestamps.
+    /// Writes what was kept since `keep_trace` as a trace in Chrome's format, for chrome://tracing or Perfetto: a bar
+    /// for each run of a pass. About one step in eight is timed, from the second on; none where the adapter has no
+    /// timestamps.
     ///
     /// Raises:
     ///     OSError: the file cannot be written.
@@ -272,8 +276,9 @@ impl Simulation {
         Ok(PyArray1::from_vec(py, energies))
     }
 
-    /// Impulse that the air has given each body so far, by its pressure and by friction, in the order of the scene: `(bodies, 3)` float64
-    /// [kg m/s]; no rows without air particles. The change over a step, divided by it, is the force on the body.
+    /// Impulse that the air has given each body so far, by its pressure and by friction, in the order of the scene:
+    /// `(bodies, 3)` float64 [kg m/s]; no rows without air particles. The change over a step, divided by it, is the
+    /// force on the body.
     fn body_impulses<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
         let impulses = self.run_engine(py, |sim| sim.body_impulses())?;
         Ok(PyArray2::from_owned_array(py, numpy::ndarray::Array2::from(impulses)))
@@ -307,8 +312,8 @@ impl Simulation {
     ///     points: `(n,)` rows of `frame().hair.positions`.
     ///     places: `(n, 3)` [m].
     ///
-    /// A pinned point is where its pin is; of several pins on a strand, those nearer to the root give by less than 0.1 mm. Empty arrays
-    /// release all points; tips that the scene holds go back to where it has them.
+    /// A pinned point is where its pin is; of several pins on a strand, those nearer to the root give by less than 0.1
+    /// mm. Empty arrays release all points; tips that the scene holds go back to where it has them.
     ///
     /// Raises:
     ///     ValueError: names the argument that does not fit: a point that does not exist, is given twice, or is a root that is held; or
@@ -326,8 +331,8 @@ impl Simulation {
         self.run_engine(py, |sim| sim.set_pins(&points, &places))
     }
 
-    /// The mean wind from the next step on, in place of the scene's wind, ramp and gusts. All air takes the change alike in
-    /// that step; the inflow's eddies stay.
+    /// The mean wind from the next step on, in place of the scene's wind, ramp and gusts. All air takes the change
+    /// alike in that step; the inflow's eddies stay.
     ///
     /// Args:
     ///     wind: `(3,)` [m/s].
@@ -339,15 +344,15 @@ impl Simulation {
         self.run_engine(py, |sim| sim.set_wind(wind))
     }
 
-    /// A force of your own, from the next step on until another one is set: accelerations of hair points and air particles. Without
-    /// arguments nothing is pushed any more.
+    /// A force of your own, from the next step on until another one is set: accelerations of hair points and air
+    /// particles. Without arguments nothing is pushed any more.
     ///
     ///     sim.set_force(hair=np.broadcast_to(np.float32([0, 9.81, 0]), sim.hair.positions.shape))
     ///     sim.set_force(callback=lambda frame: 50 * (center - frame.hair.positions))
     ///
-    /// Held points ignore it, and sleeping strands wake when it changes. The air does not lose what hair gets from it, and pressure
-    /// takes out of it what would compress the air. Checkpoints and pickles hold the accelerations that were set last, and not a
-    /// callback.
+    /// Held points ignore it, and sleeping strands wake when it changes. The air does not lose what hair gets from it,
+    /// and pressure takes out of it what would compress the air. Checkpoints and pickles hold the accelerations that
+    /// were set last, and not a callback.
     ///
     /// Args:
     ///     hair: `(points, 3)` [m/s²]; None: hair is not pushed.
@@ -445,7 +450,8 @@ impl Simulation {
 
     /// A picture of the hair now, as the command draws it: `(height, width, 4)` uint8, sRGB, opaque.
     ///
-    /// The scene's [camera] and [picture] say from where and what: `scene.replace(**{"camera.fov": 20})` before the simulation is made.
+    /// The scene's [camera] and [picture] say from where and what: `scene.replace(**{"camera.fov": 20})` before the
+    /// simulation is made.
     ///
     /// Args:
     ///     width, height: [px]; None: the scene's.
@@ -472,8 +478,8 @@ impl Simulation {
 
     /// Saves the simulation to a file, from which `load` goes on with the same bits.
     ///
-    /// The file is written beside `path`, flushed to the disk and renamed: whatever becomes of the process, `path` is a whole
-    /// checkpoint or what it was before. A simulation can be pickled and copied too.
+    /// The file is written beside `path`, flushed to the disk and renamed: whatever becomes of the process, `path` is a
+    /// whole checkpoint or what it was before. A simulation can be pickled and copied too.
     ///
     /// Raises:
     ///     OSError: the file cannot be written.
@@ -483,8 +489,8 @@ impl Simulation {
 
     /// Goes on with a simulation that `save` wrote, or `windswept run --checkpoint-every`. Timings start anew.
     ///
-    /// On the adapter that it was saved on it has the same bits as if it had never been saved. On another one, or with another
-    /// version of windswept, it goes on with a warning.
+    /// On the adapter that it was saved on it has the same bits as if it had never been saved. On another one, or with
+    /// another version of windswept, it goes on with a warning.
     ///
     /// Args:
     ///     path: the file.
@@ -514,7 +520,8 @@ impl Simulation {
         Ok((unpickled, PyTuple::new(py, [PyBytes::new(py, &bytes)])?))
     }
 
-    /// Destroys the device under all simulations on it, as a driver that fails does: so that tests see what is left then.
+    /// Destroys the device under all simulations on it, as a driver that fails does: so that tests see what is left
+    /// then.
     fn _lose_device(&self, py: Python<'_>) -> PyResult<()> {
         self.engine(py, |sim| sim.gpu().device().destroy())
     }

@@ -55,8 +55,8 @@ impl Hair {
         matrix(py, self.sim.get().take(py, |state| state.hair_velocities.take())?)
     }
 
-    /// `(segments, 4)` float32: quaternions x, y, z, w, material frame to world; d3 is the tangent. A strand of n points
-    /// has n - 1.
+    /// `(segments, 4)` float32: quaternions x, y, z, w, material frame to world; d3 is the tangent. A strand of n
+    /// points has n - 1.
     #[getter]
     fn orientations<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
         matrix(py, self.sim.get().take(py, |state| state.orientations.take())?)
@@ -83,7 +83,8 @@ impl Hair {
     }
 }
 
-/// Hairs that go with the strands of a simulation at one time: points root to tip, one hair after the other. Its arrays are its own.
+/// Hairs that go with the strands of a simulation at one time: points root to tip, one hair after the other. Its arrays
+/// are its own.
 #[pyclass(frozen, module = "windswept", get_all)]
 pub(crate) struct Followers {
     /// `(points, 3)` float32 [m].
@@ -173,8 +174,8 @@ impl Air {
         Ok(PyArray1::from_vec(py, vorticity))
     }
 
-    /// ½ |û|² of the first of the scene's turbulence.bands at every particle now [m²/s²]: `(n,)` float32; empty when no band
-    /// is strengthened. See `Simulation.spectrum` for its mean.
+    /// ½ |û|² of the first of the scene's turbulence.bands at every particle now [m²/s²]: `(n,)` float32; empty when no
+    /// band is strengthened. See `Simulation.spectrum` for its mean.
     #[getter]
     fn band_energy<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
         let energy = self.sim.get().run_engine(py, |sim| sim.band_energy())?;

@@ -52,15 +52,17 @@ pub(crate) fn formats(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     Ok(formats)
 }
 
-/// Writes frames of a simulation into a folder, with the files of `windswept run` but for the report and the checkpoint.
+/// Writes frames of a simulation into a folder, with the files of `windswept run` but for the report and the
+/// checkpoint.
 ///
 ///     with ws.Writer("out", sim) as writer:
 ///         writer.append(sim)
 ///         for frame in sim.frames(240):
 ///             writer.append(sim)
 ///
-/// Every frame that `append` returned from is in the files, whatever becomes of the process. scene.toml is the scene of `sim`, with which
-/// `windswept render`, `export`, `measure` and `spectrum` read the films. `sim.report()` is what `windswept run` writes into report.json.
+/// Every frame that `append` returned from is in the files, whatever becomes of the process. scene.toml is the scene of
+/// `sim`, with which `windswept render`, `export`, `measure` and `spectrum` read the films. `sim.report()` is what
+/// `windswept run` writes into report.json.
 ///
 /// One writer or run at a time writes into a folder; `close` lets the next one in.
 ///

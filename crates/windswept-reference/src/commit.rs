@@ -5,8 +5,8 @@ use windswept_scene::Model;
 
 use crate::{Parameters, State, contact, fluid::Pressed, forcing::wrap, rods, step::Scratch};
 
-/// Runs the stage: the step is committed, or the run freezes. A strand that is not finite or too fast stands where it was at rest, and
-/// is bad.
+/// Runs the stage: the step is committed, or the run freezes. A strand that is not finite or too fast stands where it
+/// was at rest, and is bad.
 ///
 /// # Errors
 /// [`Frozen`] says why nothing was committed.
@@ -41,7 +41,8 @@ pub enum Frozen {
     FailedStrands(usize),
 }
 
-/// Holds a strand where it was, at rest, if it has a position that is not finite or a velocity beyond [`FAST`]; says whether it was one.
+/// Holds a strand where it was, at rest, if it has a position that is not finite or a velocity beyond [`FAST`]; says
+/// whether it was one.
 pub fn hold(s: &State, strand: usize, w: &mut Scratch) -> bool {
     let points = s.hair.points(strand);
     let lost = !points.clone().all(|i| is_sound(w.predicted[i], w.new_velocity[i]));
@@ -76,10 +77,10 @@ pub fn check(p: &Parameters, bad: usize, positions: &[DVec3], velocities: &[DVec
     }
 }
 
-/// Commits what a step arrived at: it becomes the state, and air is wrapped into the box. Hair remembers its move, and the
-/// velocities that it had with all that acted from outside since. What was put somewhere starts anew, but for a sleeper's
-/// velocity of the step before: what presses a sleeper all the time must not kick it when it wakes, and BDF2 takes a third of
-/// the change of it.
+/// Commits what a step arrived at: it becomes the state, and air is wrapped into the box. Hair remembers its move, and
+/// the velocities that it had with all that acted from outside since. What was put somewhere starts anew, but for a
+/// sleeper's velocity of the step before: what presses a sleeper all the time must not kick it when it wakes, and BDF2
+/// takes a third of the change of it.
 pub fn commit(p: &Parameters, s: &mut State, w: Scratch) {
     for (k, segment) in w.moving.segments.iter().enumerate() {
         let anew = segment.step.is_infinite();

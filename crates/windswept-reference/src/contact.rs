@@ -1,5 +1,6 @@
-//! Bodies, and stage `contact`: air flows around them. Hair stays out of them in stage `rods`, where its rods are solved (`contact/hair.rs`). A body
-//! is asked at rest, where the scene has it: what meets the moved body is carried back there, and the answer is carried along.
+//! Bodies, and stage `contact`: air flows around them. Hair stays out of them in stage `rods`, where its rods are
+//! solved (`contact/hair.rs`). A body is asked at rest, where the scene has it: what meets the moved body is carried
+//! back there, and the answer is carried along.
 
 mod hair;
 
@@ -160,8 +161,8 @@ pub struct Nearest {
 
 /// The nearest surface to a place after the step, or `before` it.
 ///
-/// Air is periodic: where a body crosses a face of the box, its cut is a wall to the air at the opposite face. That air sees the foot of its
-/// place on the face: inside the body the wall is as far as the face, and beside it farther.
+/// Air is periodic: where a body crosses a face of the box, its cut is a wall to the air at the opposite face. That air
+/// sees the foot of its place on the face: inside the body the wall is as far as the face, and beside it farther.
 #[must_use]
 pub fn nearest_body(p: &Parameters, placed: &[Placed], before: bool, x: DVec3) -> Nearest {
     let mut found = nearest_here(p, placed, before, x);
@@ -204,8 +205,9 @@ pub struct Cleared {
     pub near: Nearest,
 }
 
-/// Moves an air particle that would be at `x` by the nearest way to its clearance from bodies. Where two surfaces are near to one another, the
-/// clearance from one may lead into the other: in the last rounds it is moved no farther than out.
+/// Moves an air particle that would be at `x` by the nearest way to its clearance from bodies. Where two surfaces are
+/// near to one another, the clearance from one may lead into the other: in the last rounds it is moved no farther than
+/// out.
 #[must_use]
 pub fn cleared(p: &Parameters, placed: &[Placed], x: DVec3) -> Cleared {
     let at = wrap(p, x);
@@ -223,8 +225,9 @@ pub fn cleared(p: &Parameters, placed: &[Placed], x: DVec3) -> Cleared {
     cleared
 }
 
-/// An air particle that would be at `x` with velocity `v`, and its velocity then \[m/s\]. Where it is moved out of a body it loses its velocity
-/// toward it. Within a spacing a body holds it back along the surface, by a stress of ½ C_f ρ |v_t|² on a layer of a spacing.
+/// An air particle that would be at `x` with velocity `v`, and its velocity then \[m/s\]. Where it is moved out of a
+/// body it loses its velocity toward it. Within a spacing a body holds it back along the surface, by a stress of ½ C_f
+/// ρ |v_t|² on a layer of a spacing.
 #[must_use]
 pub fn air(p: &Parameters, placed: &[Placed], x: DVec3, mut v: DVec3) -> (Cleared, DVec3) {
     let cleared = cleared(p, placed, x);

@@ -5,8 +5,8 @@
 //! φ = 0 at the clamp,  φ' = 0 and F = 0 at the tip
 //! ```
 //!
-//! The drag on a metre of fibre is the law of `rods/drag`, with the speed across it that the angle leaves. No particles and no
-//! steps of time: the solution is a curve, integrated with Runge and Kutta's fourth order.
+//! The drag on a metre of fibre is the law of `rods/drag`, with the speed across it that the angle leaves. No particles
+//! and no steps of time: the solution is a curve, integrated with Runge and Kutta's fourth order.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -49,8 +49,8 @@ const AIR: f64 = 1.29;
 type Along = [f64; 6];
 
 impl Hair {
-    /// A hair of [`REAL`]'s size without weight, in air so thin that its drag is quadratic (C_d = 1, no skin friction): what
-    /// is left is one number, the Cauchy number ½ρ C_d 2r U² L³/EI.
+    /// A hair of [`REAL`]'s size without weight, in air so thin that its drag is quadratic (C_d = 1, no skin friction):
+    /// what is left is one number, the Cauchy number ½ρ C_d 2r U² L³/EI.
     #[must_use]
     pub fn with_cauchy_number(cauchy: f64) -> Self {
         let hair = Self { gravity: 0.0, viscosity: 1e-13, ..REAL };
@@ -106,8 +106,8 @@ impl Hair {
         all
     }
 
-    /// The solution, tip first: that angle of the tip whose hair is upright at the clamp. From a smaller one the hair is upright
-    /// before the clamp, and what becomes of it from there on means nothing.
+    /// The solution, tip first: that angle of the tip whose hair is upright at the clamp. From a smaller one the hair
+    /// is upright before the clamp, and what becomes of it from there on means nothing.
     fn solved(&self) -> Vec<Along> {
         let (mut low, mut high) = (0.0, FRAC_PI_2);
         for _ in 0..60 {
@@ -143,7 +143,8 @@ impl Hair {
         self.force() / (self.length * self.drag(0.0)[0])
     }
 
-    /// Angle from the vertical at which a hair of no stiffness hangs straight \[rad\]: drag across it = weight across it.
+    /// Angle from the vertical at which a hair of no stiffness hangs straight \[rad\]: drag across it = weight across
+    /// it.
     #[must_use]
     pub fn limp_angle(&self) -> f64 {
         let (mut low, mut high) = (0.0_f64, FRAC_PI_2);

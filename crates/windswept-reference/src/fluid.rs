@@ -1,5 +1,5 @@
-//! Stage `fluid`: air is not compressed, by pressure (solver `divergence`) or, as hair on hair, by a constraint on its density
-//! (Macklin & Müller 2013). A particle has a volume and, apart from it, an inertial mass.
+//! Stage `fluid`: air is not compressed, by pressure (solver `divergence`) or, as hair on hair, by a constraint on its
+//! density (Macklin & Müller 2013). A particle has a volume and, apart from it, an inertial mass.
 
 mod coarse;
 mod friction;
@@ -31,8 +31,8 @@ use crate::{
 /// C of air beyond which a move of the density constraint becomes no velocity.
 pub const ABRUPT: f64 = 0.2;
 
-/// Runs the stage: the pressure of solver `divergence`, of air or of hair and air; and density constraints (eq. 1) of all
-/// that it leaves out. Where none is solved the density is found all the same, for viscosity.
+/// Runs the stage: the pressure of solver `divergence`, of air or of hair and air; and density constraints (eq. 1) of
+/// all that it leaves out. Where none is solved the density is found all the same, for viscosity.
 pub fn run(s: &State, w: &mut Scratch, p: &Parameters) {
     w.correction = vec![DVec3::ZERO; w.predicted.len()];
     w.grip.clone_from(&s.grip);
@@ -69,8 +69,8 @@ pub fn run(s: &State, w: &mut Scratch, p: &Parameters) {
     }
 }
 
-/// Solves the density constraint of the first `count` particles. Returns the sum of each hair point's multipliers times the
-/// relaxation \[kg m²\].
+/// Solves the density constraint of the first `count` particles. Returns the sum of each hair point's multipliers times
+/// the relaxation \[kg m²\].
 fn constrain(s: &State, w: &mut Scratch, p: &Parameters, count: usize) -> Vec<f64> {
     let mut multiplier = vec![0.0; p.hair_points];
     for iteration in 0..p.fluid_iterations.max(1) {
@@ -122,7 +122,8 @@ pub fn density(
     (0..x.len()).map(each).unzip()
 }
 
-/// The part of each multiplier that becomes velocity \[kg m²\]: all of a hair point's, and of air's what C up to [`ABRUPT`] gives.
+/// The part of each multiplier that becomes velocity \[kg m²\]: all of a hair point's, and of air's what C up to
+/// [`ABRUPT`] gives.
 #[must_use]
 pub fn felt(p: &Parameters, density: &[f64], lambda: &[f64]) -> Vec<f64> {
     let part = |(i, (density, lambda)): (usize, (&f64, &f64))| {

@@ -1,4 +1,5 @@
-//! Stage `forcing`: strands that are bad are reset; clamps and bodies move; the wind enters; air moves, and hair drifts among it.
+//! Stage `forcing`: strands that are bad are reset; clamps and bodies move; the wind enters; air moves, and hair drifts
+//! among it.
 
 mod fields;
 mod reset;
@@ -62,9 +63,10 @@ pub fn run(s: &State, p: &Parameters) -> Scratch {
     w
 }
 
-/// Way of the clamp of a strand in the step: to where its keyframes are at the step's end, else a part of the way to its
-/// target, all of it in the last substep. A jump of more than the strand's length is a teleport, unless the tip is held too;
-/// a strand whose clamp rests may sleep. Free roots go where they will. A held tip goes along by the keyframes.
+/// Way of the clamp of a strand in the step: to where its keyframes are at the step's end, else a part of the way to
+/// its target, all of it in the last substep. A jump of more than the strand's length is a teleport, unless the tip is
+/// held too; a strand whose clamp rests may sleep. Free roots go where they will. A held tip goes along by the
+/// keyframes.
 #[must_use]
 pub fn roots(p: &Parameters, s: &State, strand: usize) -> Drive {
     let (held, mut goal) = (s.clamps[strand], s.root_targets[strand]);
@@ -131,9 +133,9 @@ pub fn hair_drift(p: &Parameters, s: &State, i: usize) -> DVec3 {
     s.position[i] + p.step * falls / (1.0 + p.damping * p.step)
 }
 
-/// Velocity v* by which hair point `i` counts where pressure acts on it, that of the step's end if all went on as before \[m/s\]:
-/// v + ⅓(v − v_{n−1}) where BDF2 is to take the strand, else v. Gravity has no part in it: rods bear most of it, and hair that
-/// hangs at rest must not press on the air below it.
+/// Velocity v* by which hair point `i` counts where pressure acts on it, that of the step's end if all went on as
+/// before \[m/s\]: v + ⅓(v − v_{n−1}) where BDF2 is to take the strand, else v. Gravity has no part in it: rods bear
+/// most of it, and hair that hangs at rest must not press on the air below it.
 #[must_use]
 pub fn extrapolate(p: &Parameters, s: &State, i: usize) -> DVec3 {
     let strand = p.strand_of[i];
@@ -148,14 +150,15 @@ pub fn push_air(p: &Parameters, s: &State, i: usize) -> DVec3 {
     s.pushed.get(i).map_or(DVec3::ZERO, |a| p.step * *a)
 }
 
-/// Place wrap(x + Δt (v + ½ c)) of an air particle \[m\], and its velocity v + ⅓ c \[m/s\], by BDF2: v with what acts from
-/// outside, c the change by pressure in the last step.
+/// Place wrap(x + Δt (v + ½ c)) of an air particle \[m\], and its velocity v + ⅓ c \[m/s\], by BDF2: v with what acts
+/// from outside, c the change by pressure in the last step.
 #[must_use]
 pub fn advance(p: &Parameters, position: DVec3, velocity: DVec3, change: DVec3) -> (DVec3, DVec3) {
     (wrap(p, position + p.step * (velocity + 0.5 * change)), velocity + change / 3.0)
 }
 
-/// Place of an air particle x* = wrap(x + Δt v) \[m\]: air leaves the box through one face and enters through the other.
+/// Place of an air particle x* = wrap(x + Δt v) \[m\]: air leaves the box through one face and enters through the
+/// other.
 #[must_use]
 pub fn predict(p: &Parameters, position: DVec3, velocity: DVec3) -> DVec3 {
     wrap(p, position + p.step * velocity)
@@ -188,7 +191,8 @@ pub fn mean_wind(p: &Parameters, steps: u64) -> DVec3 {
     p.wind * risen(p, steps) + gust
 }
 
-/// Velocity that the wind brings in at `position` after `steps` steps \[m/s\]: the mean wind, and waves that it has carried along.
+/// Velocity that the wind brings in at `position` after `steps` steps \[m/s\]: the mean wind, and waves that it has
+/// carried along.
 fn brought(p: &Parameters, steps: u64, position: DVec3) -> DVec3 {
     let wind = mean_wind(p, steps + 1);
     let ends = |step| 0.5 * p.step * (mean_wind(p, step) + mean_wind(p, step + 1));
@@ -203,9 +207,9 @@ pub fn depth(p: &Parameters, wind: DVec3, axis: usize, position: DVec3) -> f64 {
     if wind[axis] >= 0.0 { position[axis] } else { p.box_size[axis] - position[axis] }
 }
 
-/// Rate at which the fringe draws air at `position` to the wind U of step number `steps` \[1/s\]:
-/// 10 max(|U|, 0.3 m/s)/ℓ sin²(π x/ℓ) within the thickness ℓ of the face that U enters through; several faces count with the
-/// cosines of U.
+/// Rate at which the fringe draws air at `position` to the wind U of step number `steps` \[1/s\]: 10 max(|U|, 0.3
+/// m/s)/ℓ sin²(π x/ℓ) within the thickness ℓ of the face that U enters through; several faces count with the cosines of
+/// U.
 fn rate(p: &Parameters, steps: u64, position: DVec3) -> f64 {
     let wind = mean_wind(p, steps + 1);
     let speed = wind.length();
@@ -217,8 +221,8 @@ fn rate(p: &Parameters, steps: u64, position: DVec3) -> f64 {
     if speed > 0.0 && p.fringe > 0.0 { (0..3).map(face).sum() } else { 0.0 }
 }
 
-/// What the air in the fringe misses of the wind \[m/s\]: the mean of U + u' less the air's velocity, weighted by the rates, once the
-/// mean wind's change in step number `steps` is added to all air.
+/// What the air in the fringe misses of the wind \[m/s\]: the mean of U + u' less the air's velocity, weighted by the
+/// rates, once the mean wind's change in step number `steps` is added to all air.
 #[must_use]
 pub fn fringe_deficit(p: &Parameters, steps: u64, positions: &[DVec3], velocities: &[DVec3]) -> DVec3 {
     let change = mean_wind(p, steps + 1) - mean_wind(p, steps);
@@ -242,8 +246,8 @@ pub fn hold(p: &Parameters, steps: u64, fringe_deficit: DVec3) -> DVec3 {
 
 /// Change that the wind makes in step number `steps` to air at `position` that moves with `velocity` \[m/s\].
 ///
-/// The mean wind's change and the lack are added first, then v += (1 − e^{−σΔt})(U + u' − v), with u' the turbulence that the wind
-/// brings in and σ the rate of the fringe.
+/// The mean wind's change and the lack are added first, then v += (1 − e^{−σΔt})(U + u' − v), with u' the turbulence
+/// that the wind brings in and σ the rate of the fringe.
 #[must_use]
 pub fn fringe(p: &Parameters, steps: u64, wind_deficit: DVec3, position: DVec3, velocity: DVec3) -> DVec3 {
     let change = mean_wind(p, steps + 1) - mean_wind(p, steps) + wind_deficit;

@@ -191,8 +191,8 @@ impl Parameters {
         }
     }
 
-    /// Part min(1, l/d) that a particle of this volume \[m³\] takes of a divergence, l the length of segments that gives a point of hair its
-    /// volume V = V_air l/h, d the spacing of air; 1 for air.
+    /// Part min(1, l/d) that a particle of this volume \[m³\] takes of a divergence, l the length of segments that
+    /// gives a point of hair its volume V = V_air l/h, d the spacing of air; 1 for air.
     #[must_use]
     pub fn part(&self, volume: f64) -> f64 {
         (volume / self.air_volume * self.kernel_radius / self.spacing()).min(1.0)
@@ -251,7 +251,8 @@ impl Parameters {
         (gap.cmpgt(DVec3::splat(reach)) & gap.cmplt(self.box_size - reach)).any()
     }
 
-    /// Scale s of the grid that a band's velocity is found on \[m\]: its own, or that of a finer band whose grid it shares.
+    /// Scale s of the grid that a band's velocity is found on \[m\]: its own, or that of a finer band whose grid it
+    /// shares.
     #[must_use]
     pub fn grid_scale(&self, band: &Band) -> f64 {
         let bands = &self.turbulence.bands;

@@ -1,6 +1,6 @@
-//! Stage `rods`: Cosserat rods (Kugelstadt & Schömer 2016), integrated by BDF2 or Euler, solved directly or by Gauss-Seidel.
-//! Forces on hair from outside its rods meet in one load of each point; air that drags hair is slowed by it. Contacts with bodies are solved
-//! with the rods.
+//! Stage `rods`: Cosserat rods (Kugelstadt & Schömer 2016), integrated by BDF2 or Euler, solved directly or by
+//! Gauss-Seidel. Forces on hair from outside its rods meet in one load of each point; air that drags hair is slowed by
+//! it. Contacts with bodies are solved with the rods.
 
 mod drag;
 mod gauss_seidel;
@@ -32,8 +32,8 @@ pub const STRAINED: f64 = 0.05;
 pub const STRAINED_STEPS: u32 = 50;
 /// Resistance Δt w D_n from which on a strand in the wind takes Euler.
 pub const STORMY: f64 = 1.0 / 3.0;
-/// Force on the tip of a strand that bends it as far as a force on all of it, over that: 3/8 for a clamped beam, 1/ln n for a chain
-/// of n points.
+/// Force on the tip of a strand that bends it as far as a force on all of it, over that: 3/8 for a clamped beam, 1/ln n
+/// for a chain of n points.
 const AT_TIP: f64 = 0.25;
 /// Steps at rest that a strand needs to fall asleep, however long they are.
 pub const RESTING_STEPS: u32 = 10;
@@ -85,7 +85,8 @@ pub fn begin(s: &state::State, w: &mut Scratch, p: &Parameters) {
     };
 }
 
-/// Air at every hair point with the wind of force fields, where no air carries it: to the part to which the mean wind counts there.
+/// Air at every hair point with the wind of force fields, where no air carries it: to the part to which the mean wind
+/// counts there.
 #[must_use]
 pub fn sample_fields(s: &state::State, w: &Scratch, p: &Parameters) -> Vec<Local> {
     let at = |(i, local): (usize, &Local)| {
@@ -105,8 +106,8 @@ pub fn push_hair(s: &mut state::State, w: &mut Scratch, _: &Parameters) {
     }
 }
 
-/// Impulses of the air's drag \[N s\]: those of the whole load without what the acceleration that was set gave. A point that was placed felt
-/// neither.
+/// Impulses of the air's drag \[N s\]: those of the whole load without what the acceleration that was set gave. A point
+/// that was placed felt neither.
 #[must_use]
 pub fn exclude_push(s: &state::State, w: &Scratch, p: &Parameters) -> Vec<DVec3> {
     let mut impulses = w.drag_impulse.clone();
@@ -130,8 +131,8 @@ pub fn predict_all(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
     }
 }
 
-/// Finds how each strand is, and puts hair where its rods took it, with the velocity of that move; and the impulse J = Δt (force −
-/// resistance v) that each point had from its load.
+/// Finds how each strand is, and puts hair where its rods took it, with the velocity of that move; and the impulse J =
+/// Δt (force − resistance v) that each point had from its load.
 pub fn update_all(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
     for strand in 0..s.hair.len() {
         update(p, s, strand, w);

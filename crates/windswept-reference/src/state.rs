@@ -22,10 +22,11 @@ pub struct State {
     pub displacement: Vec<DVec3>,
     /// Velocity of each hair point one step before, with all that acted from outside since \[m/s\].
     pub velocity_before: Vec<DVec3>,
-    /// Change of each hair point's velocity by all that acted from outside in its last step awake, a mean of those on end in
-    /// which its strand was still \[m/s\]; 0 with the model `particles`.
+    /// Change of each hair point's velocity by all that acted from outside in its last step awake, a mean of those on
+    /// end in which its strand was still \[m/s\]; 0 with the model `particles`.
     pub external_dv: Vec<DVec3>,
-    /// Change of each hair point's velocity by its rod and gravity in its last step awake \[m/s\]; 0 with the model `particles`.
+    /// Change of each hair point's velocity by its rod and gravity in its last step awake \[m/s\]; 0 with the model
+    /// `particles`.
     pub own: Vec<DVec3>,
     /// Slip that friction of hair on hair holds each hair point back from \[m/s\]: see [`crate::fluid::friction`].
     pub grip: Vec<DVec3>,
@@ -53,7 +54,8 @@ pub struct State {
     pub resting: Vec<u32>,
     /// Whether each strand is asleep.
     pub sleeping: Vec<bool>,
-    /// What contacts of hair with bodies keep, of points and then of segments, each with every body; empty before the first step.
+    /// What contacts of hair with bodies keep, of points and then of segments, each with every body; empty before the
+    /// first step.
     pub contacts: Vec<Memory>,
     /// Number of strand-steps by Euler where BDF2 is asked for, so far.
     pub euler_steps: usize,

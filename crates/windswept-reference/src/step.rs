@@ -53,8 +53,8 @@ pub struct Scratch {
     pub near: Neighbours,
     /// Density ρ/ρ0 of each particle.
     pub density: Vec<f64>,
-    /// Sum of the moves of each particle by the density constraint \[m\]; of hair that shares pressure with air, the move by the
-    /// impulse of the pressure over time.
+    /// Sum of the moves of each particle by the density constraint \[m\]; of hair that shares pressure with air, the
+    /// move by the impulse of the pressure over time.
     pub correction: Vec<DVec3>,
     /// Wall at each particle that pressure acts on; none without bodies.
     pub walls: Vec<Wall>,

@@ -78,7 +78,8 @@ pub fn helix() -> Vec<Helix> {
         .collect()
 }
 
-/// A hair at rest in a steady uniform wind, clamped straight down: radius 40 µm, 4 GPa, 1320 kg/m³; air of 1.29 kg/m³ and
+/// A hair at rest in a steady uniform wind, clamped straight down: radius 40 µm, 4 GPa, 1320 kg/m³; air of 1.29 kg/m³
+/// and
 /// 1.5e-5 m²/s.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HairInWind {

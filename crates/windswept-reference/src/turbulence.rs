@@ -163,7 +163,8 @@ pub fn vorticity(p: &Parameters, x: &[DVec3], v: &[DVec3], volume: &[f64], near:
 ///
 /// N = η/(|η| + 1e-3 |ω|/h) points to where the vorticity is larger, η_i = Σ_j V_j (|ω_j| − |ω_i|) ∇_i W.
 ///
-/// * Band: Δv = |û| min(½, [`growth`]) along N × ω, of the law a = S |û| max(0, 1 − |û|²/u²) (N × ω) with u = min(I U, h/Δt); ω that of û.
+/// * Band: Δv = |û| min(½, [`growth`]) along N × ω, of the law a = S |û| max(0, 1 − |û|²/u²) (N × ω) with u = min(I U,
+///   h/Δt); ω that of û.
 /// * Published: Δv = Δt a, a = 0.008 ê (N × ω) mm/s², ê = ½ m |v̂|² in mg, mm, s; ω that of v.
 ///
 /// `eddies` is what [`band`] returns, `omega` what [`vorticity`] returns; `volume` in m³, `inverse_mass` in 1/kg.
@@ -213,7 +214,8 @@ pub fn confine(
     (0..x.len()).map(change).collect()
 }
 
-/// Growth u/u_0 − 1 by du/dt = `rate` u (1 − u²) in the time `step` \[s\], from u_0 = `part`; 0 where that is 1 or more.
+/// Growth u/u_0 − 1 by du/dt = `rate` u (1 − u²) in the time `step` \[s\], from u_0 = `part`; 0 where that is 1 or
+/// more.
 #[must_use]
 pub fn growth(part: f64, rate: f64, step: f64) -> f64 {
     let (square, x) = (part.powi(2).min(1.0), -2.0 * rate * step);

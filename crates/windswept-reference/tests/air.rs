@@ -133,8 +133,8 @@ fn the_density_constraint_gives_air_its_velocity() {
     assert!(fastest > 0.05 && error < 1e-12, "{fastest}, {error}");
 }
 
-/// Air and a loose strand of other masses: what one gains, the other loses, with either solver. Of what pressure did to air in
-/// the last step BDF2 has half still to come.
+/// Air and a loose strand of other masses: what one gains, the other loses, with either solver. Of what pressure did to
+/// air in the last step BDF2 has half still to come.
 #[test]
 fn air_and_hair_keep_their_momentum_together() {
     let (size, positions) = jittered(8, 0.2, 10);
@@ -169,7 +169,8 @@ fn air_and_hair_keep_their_momentum_together() {
     }
 }
 
-/// A position or a velocity that is not finite is enough to stop a step, and so is air faster than 1000 km/s; hair is judged by its strands.
+/// A position or a velocity that is not finite is enough to stop a step, and so is air faster than 1000 km/s; hair is
+/// judged by its strands.
 #[test]
 fn check_sees_positions_and_velocities() {
     let mut p = still_box(DVec3::X);

@@ -42,8 +42,8 @@ fn the_hat_has_norm_one() {
     }
 }
 
-/// A transverse wave on a uniform wind, on a row of the lattice in a box of 32 by 1 by 1 spacings, every image summed: û is
-/// the wave times T(k)/T_peak, 1 at the band's centre.
+/// A transverse wave on a uniform wind, on a row of the lattice in a box of 32 by 1 by 1 spacings, every image summed:
+/// û is the wave times T(k)/T_peak, 1 at the band's centre.
 #[test]
 fn a_wave_passes_with_the_gain_of_the_table() {
     let wind = DVec3::new(3.0, -0.5, 0.2);
@@ -71,7 +71,8 @@ fn a_wave_passes_with_the_gain_of_the_table() {
     }
 }
 
-/// Mitchell's cubic sums to 1 over the nodes and has no jump or kink at its joints; with B = 1 and C = 0 it would be the B-spline.
+/// Mitchell's cubic sums to 1 over the nodes and has no jump or kink at its joints; with B = 1 and C = 0 it would be
+/// the B-spline.
 #[test]
 fn mitchells_window_shares_a_particle_out() {
     let weight = |t: f64| window(t);
@@ -88,7 +89,8 @@ fn mitchells_window_shares_a_particle_out() {
     assert!((weight(0.0) - 0.6).abs() < 1e-15 && (weight(1.0) - 0.2).abs() < 1e-15);
 }
 
-/// B-splines sum to 1 over the nodes, have the moments of a box smoothed p + 1 times, and are those that are written out.
+/// B-splines sum to 1 over the nodes, have the moments of a box smoothed p + 1 times, and are those that are written
+/// out.
 #[test]
 fn b_splines_share_a_particle_out() {
     for degree in 1..=3_u32 {
@@ -113,7 +115,8 @@ fn b_splines_share_a_particle_out() {
     }
 }
 
-/// The grid's û is that of the sum over all images: 0.1 % off where the spacing is 0.4 s, without hair, wind or a mean in it.
+/// The grid's û is that of the sum over all images: 0.1 % off where the spacing is 0.4 s, without hair, wind or a mean
+/// in it.
 #[test]
 fn a_grid_finds_what_the_sum_does() {
     let (size, positions) = jittered(11, 0.3, 3);
@@ -158,15 +161,15 @@ fn cut_offs_leak_uniform_flow_as_in_the_table() {
         crowd.parameters.cutoff = cutoff;
         let u = filtered(&crowd, scale * size.x, DVec3::ZERO, &[DVec3::X])[0];
         println!("{cutoff} s: {:.6}, table {leak}", u.x);
-        // Measured up to 1.1e-3 of it, the lattice at the cut; the table is rounded to 5e-6. A wind that is subtracted leaks
-        // nothing.
+        // Measured up to 1.1e-3 of it, the lattice at the cut; the table is rounded to 5e-6. A wind that is subtracted
+        // leaks nothing.
         assert!((u.x - leak).abs() < 1.5e-3 * leak + 6e-6 && u.y == 0.0, "{cutoff} s: {u}");
         assert_eq!(filtered(&crowd, 2.0 * size.x, DVec3::X, &[DVec3::X])[0], DVec3::ZERO);
     }
 }
 
-/// The band law sums air alone, weighted by volume and through the faces; the published law sums hair too, unweighted, in
-/// mm, and hair has no images.
+/// The band law sums air alone, weighted by volume and through the faces; the published law sums hair too, unweighted,
+/// in mm, and hair has no images.
 #[test]
 fn laws_differ_in_who_is_summed() {
     // Hair, air; both 4 mm from the air particle at the corner, through the faces.

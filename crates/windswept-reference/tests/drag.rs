@@ -137,8 +137,8 @@ fn lift_is_normal_to_wind_and_segment() {
     assert!(lift.x.abs() < 1e-12 * lift.length() && lift.dot(wind).abs() < 1e-12 * lift.length() * wind.length());
 }
 
-/// A strand of five segments that point and move anyhow: the force on each point as it moves is that of its segments' halves,
-/// and its resistance the sum of their larger ones.
+/// A strand of five segments that point and move anyhow: the force on each point as it moves is that of its segments'
+/// halves, and its resistance the sum of their larger ones.
 #[test]
 fn loads_are_the_halves_of_segments() {
     let mut rng = Pcg64::seed_from_u64(51);

@@ -76,8 +76,8 @@ fn friction_is_equal_and_opposite() {
     assert!(change.iter().chain(&grip).all(|vector| *vector == DVec3::ZERO));
 }
 
-/// Two points of two strands feel Coulomb's cap as the constraint squeezes them, and no more than what stops them. They grip
-/// where they stick. Within a strand there is no friction, and the smaller coefficient counts.
+/// Two points of two strands feel Coulomb's cap as the constraint squeezes them, and no more than what stops them. They
+/// grip where they stick. Within a strand there is no friction, and the smaller coefficient counts.
 #[test]
 fn a_pair_slides_or_sticks() {
     let mut crowd = Crowd::new(DVec3::ONE, vec![DVec3::splat(0.5), DVec3::new(0.504, 0.5, 0.5)]);
@@ -179,8 +179,8 @@ fn a_strand_slides_above_mu() {
     assert!(below.abs() < 1e-4 && creeps.abs() < 1e-5, "{below}, {creeps}");
 }
 
-/// A mat of strands, clamped at their roots, that lie on a bed of held ones: their number that sleeps after some seconds, and how
-/// far they came after the first two of them, in lengths.
+/// A mat of strands, clamped at their roots, that lie on a bed of held ones: their number that sleeps after some
+/// seconds, and how far they came after the first two of them, in lengths.
 fn lies(strand_count: usize, damping: f64, seconds: f64) -> (usize, f64) {
     let rod = Rod {
         segments: SEGMENTS,

@@ -45,7 +45,8 @@ fn drift(points: &[[f64; 3]], gamma: f64, rest: RestShape) -> (f64, Vec<String>)
     (farthest / LENGTH, initial.warnings)
 }
 
-/// Strands of any shape and stiffness stay within a millionth of their length where they are held, and sag where they are not.
+/// Strands of any shape and stiffness stay within a millionth of their length where they are held, and sag where they
+/// are not.
 #[test]
 fn a_strand_stays_as_it_is_given() {
     let bent = strand(|s| {
@@ -58,8 +59,8 @@ fn a_strand_stays_as_it_is_given() {
             let (farthest, warnings) = drift(points, gamma, RestShape::Hanging);
             println!("{name}, gamma {gamma}: {farthest:.1e} L");
             assert!(warnings.is_empty(), "{warnings:?}");
-            // Measured at most 9e-7 of round fibres without taper: what the solver's own tolerance leaves. Margin 10; the
-            // aim is 1e-4.
+            // Measured at most 9e-7 of round fibres without taper: what the solver's own tolerance leaves. Margin 10;
+            // the aim is 1e-4.
             assert!(farthest < 1e-5, "{name}, gamma {gamma}: {farthest:.1e} L");
         }
     }

@@ -80,7 +80,8 @@ fn densities_of_lattices_are_those_of_the_table() {
     assert!((lone - tables::LONE_DENSITY).abs() < 6e-8, "{lone}");
 }
 
-/// Unit vectors, opposite for the two of a pair, with no preferred direction: of n draws the mean is about n^(-1/2) long.
+/// Unit vectors, opposite for the two of a pair, with no preferred direction: of n draws the mean is about n^(-1/2)
+/// long.
 #[test]
 fn coincident_directions_are_antisymmetric_and_isotropic() {
     let (mut mean, mut square, n) = (DVec3::ZERO, DVec3::ZERO, 10_000);
@@ -96,8 +97,8 @@ fn coincident_directions_are_antisymmetric_and_isotropic() {
     assert!((square - 1.0 / 3.0).abs().max_element() < 0.01, "{square}");
 }
 
-/// What lies beyond a plane of the kernels, by quadrature: ∫ W dV of Poly6, and −n · ∫ ∇W dV of Spiky, whose value at a distance is its
-/// slope's integral.
+/// What lies beyond a plane of the kernels, by quadrature: ∫ W dV of Poly6, and −n · ∫ ∇W dV of Spiky, whose value at a
+/// distance is its slope's integral.
 #[test]
 fn walls_take_what_lies_beyond_a_plane() {
     let (size, positions) = lattice([4; 3], &SIMPLE);

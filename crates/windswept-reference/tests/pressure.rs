@@ -36,7 +36,8 @@ fn moments(crowd: &Crowd) -> (neighbours::Neighbours, Vec<Moments>) {
     (near, all)
 }
 
-/// A push is the transpose of the divergence, whatever the masses: Σ m u · Δv/m_air = Σ λ s(u) for any u, which is momentum too.
+/// A push is the transpose of the divergence, whatever the masses: Σ m u · Δv/m_air = Σ λ s(u) for any u, which is
+/// momentum too.
 #[test]
 fn a_push_is_the_transpose_of_the_divergence() {
     let crowd = Crowd::mixed(300, 21);
@@ -58,8 +59,9 @@ fn a_push_is_the_transpose_of_the_divergence() {
     assert!(work(&stirred(n, 23)).abs() > 1.0, "nothing happened");
 }
 
-/// Gradients are corrected: among disordered particles the divergence of a linear flow is its trace but for the softening, and a
-/// shear has next to none. The diagonal is what a unit of λ at one particle makes of its own divergence.
+/// Gradients are corrected: among disordered particles the divergence of a linear flow is its trace but for the
+/// softening, and a shear has next to none. The diagonal is what a unit of λ at one particle makes of its own
+/// divergence.
 #[test]
 fn gradients_of_disordered_sums_are_corrected() {
     let (size, positions) = jittered(10, 0.2, 31);
@@ -123,7 +125,8 @@ fn still(cells: [usize; 3], keys: &str) -> (Parameters, InitialState) {
     (parameters(&initial, 1, keys), initial)
 }
 
-/// Parameters of solver divergence, unless `keys` name another, for air that is driven by nothing; its largest wind is 3 m/s.
+/// Parameters of solver divergence, unless `keys` name another, for air that is driven by nothing; its largest wind is
+/// 3 m/s.
 fn parameters(initial: &InitialState, substeps: u32, keys: &str) -> Parameters {
     let solver = if keys.contains("solver") { "" } else { "solver = \"divergence\"\n" };
     let mut scene = scene(&format!(
@@ -135,7 +138,8 @@ fn parameters(initial: &InitialState, substeps: u32, keys: &str) -> Parameters {
     Parameters::new(&scene, initial)
 }
 
-/// Particles off their lattice by up to 0.2 spacings, spread until they are as far from each other as they will be in a flow.
+/// Particles off their lattice by up to 0.2 spacings, spread until they are as far from each other as they will be in a
+/// flow.
 fn melted(cells: [usize; 3], seed: u64) -> InitialState {
     let (size, mut x) = lattice(cells, &SIMPLE);
     let (jitter, h) = (0.2 * VOLUME.cbrt() / 3.0, RADIUS);
@@ -158,8 +162,8 @@ fn energy(state: &State, mean: DVec3) -> f64 {
     state.velocity.iter().map(|v| 0.5 * (*v - mean).length_squared()).sum::<f64>() / state.velocity.len() as f64
 }
 
-/// Taylor-Green vortices of `width` spacings and `speed` [m/s] in air that is carried along: energy after so many turnovers over
-/// that at the start, and the most that it was.
+/// Taylor-Green vortices of `width` spacings and `speed` [m/s] in air that is carried along: energy after so many
+/// turnovers over that at the start, and the most that it was.
 fn taylor_green(width: usize, speed: f64, carried: f64, turnovers: f64, substeps: u32) -> (f64, f64) {
     let mut initial = melted([width, width, 8], 7);
     let k = TAU / initial.air.size.x;
@@ -275,8 +279,8 @@ fn a_void_fills() {
     assert!(filled >= 0.8 && energy(&state, wind) < 1e-24, "{filled}");
 }
 
-/// The coarse solve takes a long wave of compression out of the air in one stroke, and no momentum; what is short it leaves to
-/// the iterations. At a step in which the wind goes past several particles it takes part of it.
+/// The coarse solve takes a long wave of compression out of the air in one stroke, and no momentum; what is short it
+/// leaves to the iterations. At a step in which the wind goes past several particles it takes part of it.
 #[test]
 fn the_coarse_solve_reaches_far() {
     let mut initial = melted([24, 9, 9], 71);
@@ -311,8 +315,9 @@ fn the_coarse_solve_reaches_far() {
     assert!(rest < 0.01 && momentum.length() < 1e-10, "{rest}");
 }
 
-/// A push of the coarse grid leaves the air no more energy than it had, and no other momentum: a push that takes energy is made, one
-/// that gives energy is not, and of one that would overshoot 1.15 times the part is made that takes the most.
+/// A push of the coarse grid leaves the air no more energy than it had, and no other momentum: a push that takes energy
+/// is made, one that gives energy is not, and of one that would overshoot 1.15 times the part is made that takes the
+/// most.
 #[test]
 fn a_coarse_push_gives_no_energy() {
     let initial = melted([8; 3], 75);

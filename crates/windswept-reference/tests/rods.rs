@@ -145,7 +145,8 @@ fn strands_hang_like_the_elastica_and_the_helix() {
         let tip = hang(&rod, 1e-4, 10, 3.0);
         let (off, error) = ((tip - minimum).length(), (tip - exact).length());
         println!("gamma {}: {off:.1e} L off the discrete minimum, {error:.1e} L off the exact curve", rod.gamma);
-        // Measured 7.8e-5 and 2.4e-5 off the minimum, falling with the square of the step; 3.6e-3 and 2.8e-3 off the curve.
+        // Measured 7.8e-5 and 2.4e-5 off the minimum, falling with the square of the step; 3.6e-3 and 2.8e-3 off the
+        // curve.
         assert!(off < bounds.0 && error < bounds.1, "gamma {}: {off}, {error}", rod.gamma);
     }
 }
@@ -168,7 +169,8 @@ fn row_of_strands(n: usize) -> Strands {
     bundle(&strands)
 }
 
-/// A strand that its solve left bad is held for the step and starts the next from its rest shape, at rest. No other strand notices.
+/// A strand that its solve left bad is held for the step and starts the next from its rest shape, at rest. No other
+/// strand notices.
 #[test]
 fn a_bad_strand_is_held_and_reset() {
     let (mut healthy, p) = alone(row_of_strands(5));
@@ -193,7 +195,8 @@ fn a_bad_strand_is_held_and_reset() {
     is_at_rest_alone(&state, &healthy, 1);
 }
 
-/// Whether strand 2 is in its rest shape, at rest, after so many resets, and the other strands where those of `healthy` are.
+/// Whether strand 2 is in its rest shape, at rest, after so many resets, and the other strands where those of `healthy`
+/// are.
 fn is_at_rest_alone(state: &State, healthy: &State, resets: usize) {
     let points = state.hair.points(2);
     let (fresh, _) = alone(row_of_strands(5));
@@ -207,7 +210,8 @@ fn is_at_rest_alone(state: &State, healthy: &State, resets: usize) {
     }
 }
 
-/// A strand that is invalid when a step begins (a value of it is not finite, or absurd) starts that very step from its rest shape.
+/// A strand that is invalid when a step begins (a value of it is not finite, or absurd) starts that very step from its
+/// rest shape.
 #[test]
 fn an_invalid_strand_is_reset_at_once() {
     let (mut start, p) = alone(row_of_strands(5));

@@ -9,8 +9,9 @@ mod support;
 use elastica::tuft;
 use windswept_reference::{State, step::step};
 
-/// From a breeze to a hurricane, at all steps, with one fibre to a strand and with a thousand, masses from a ten-thousandth to a
-/// hundred times a hair's: nothing is lost, and hair is not much faster than the wind, or than the air that it feels.
+/// From a breeze to a hurricane, at all steps, with one fibre to a strand and with a thousand, masses from a
+/// ten-thousandth to a hundred times a hair's: nothing is lost, and hair is not much faster than the wind, or than the
+/// air that it feels.
 #[test]
 #[ignore = "long: 100 s of CPU time"]
 fn a_storm_blows_nothing_up() {
@@ -36,8 +37,8 @@ fn a_storm_blows_nothing_up() {
                     "{speed} m/s, {ms} ms, {fibres} fibres, {heavier} times as heavy: {fastest:.2} U, {lever:.2} of the air, stretch {:.1e}, resets {}, unsolved {}",
                     state.max_stretch, state.resets, state.unsolved_steps
                 );
-                // Measured 0.78 U at most of a hair's mass or more. The tip of a rod without weight goes with 3/2 of the air's speed, by
-                // its lever, and dense tufts of such strands make air go past them at up to 1.7 U.
+                // Measured 0.78 U at most of a hair's mass or more. The tip of a rod without weight goes with 3/2 of
+                // the air's speed, by its lever, and dense tufts of such strands make air go past them at up to 1.7 U.
                 let (of, bound) = if heavier >= 1.0 { (fastest, 1.3) } else { (lever, 1.5) };
                 assert!(of < bound && state.resets == 0, "{of}, {} resets", state.resets);
                 // Strains are cut at 1e-2.

@@ -95,8 +95,8 @@ fn uniform_flow_is_untouched() {
     assert_eq!(crowd.viscosity(&wind).0, wind);
 }
 
-/// In `two-way` a hair point shares with other strands: not with its own strand, and not with air. The limiter counts the same
-/// pairs.
+/// In `two-way` a hair point shares with other strands: not with its own strand, and not with air. The limiter counts
+/// the same pairs.
 #[test]
 fn in_two_way_strands_share_with_one_another() {
     let positions = [0.010, 0.012, 0.014, 0.016].map(|x| DVec3::new(x, 0.01, 0.01)).to_vec();

@@ -1,5 +1,5 @@
-//! A hair in the wind stands where the elastica with the drag of its fibre does, at any step, in a prescribed wind and in one of
-//! air particles that it slows.
+//! A hair in the wind stands where the elastica with the drag of its fibre does, at any step, in a prescribed wind and
+//! in one of air particles that it slows.
 
 #![allow(clippy::unwrap_used)]
 
@@ -121,8 +121,8 @@ fn error_falls_with_the_square_of_segments() {
     assert!(errors[0] / errors[1] > 3.5 && errors[1] / errors[2] > 3.5, "{errors:?}");
 }
 
-/// The tip 40 ms after a wind has begun to rise is where it is with an eighth of the step; a wind that is there at once leaves
-/// the error of the first step, which is Euler's.
+/// The tip 40 ms after a wind has begun to rise is where it is with an eighth of the step; a wind that is there at once
+/// leaves the error of the first step, which is Euler's.
 #[test]
 fn a_rising_wind_is_followed() {
     // Measured 9.4e-5 and 3.5e-4 L in 40 ms, 1.2e-3 and 2.7e-3 L at once.

@@ -7,16 +7,18 @@ use crate::{
     strands::Strands,
 };
 
-/// Least mass that a point or a segment moves with where hair is in one fluid with air, of that of the air whose room it takes.
-/// A strand's step is solved after the air's pressure, which takes a point for one that goes where it is pushed. A rod holds it,
-/// and hair that is lighter than the air by orders is then pushed the more from step to step (the added-mass instability of Causin,
-/// Gerbeau and Nobile 2005). Every run of the stress `masses` holds from 0.01 on.
+/// Least mass that a point or a segment moves with where hair is in one fluid with air, of that of the air whose room
+/// it takes. A strand's step is solved after the air's pressure, which takes a point for one that goes where it is
+/// pushed. A rod holds it, and hair that is lighter than the air by orders is then pushed the more from step to step
+/// (the added-mass instability of Causin, Gerbeau and Nobile 2005). Every run of the stress `masses` holds from 0.01
+/// on.
 const LIGHTEST: f64 = 0.1;
 
 impl Strands {
-    /// Lets hair that the model `particles` puts into one fluid with air move with at least a tenth of the mass of the air whose room it
-    /// takes. What it carries of that air has no weight, and no part in a force that a caller sets. Does nothing with any other model, nor
-    /// to hair that carries it already. Returns a warning for each group of strands that carries more than before.
+    /// Lets hair that the model `particles` puts into one fluid with air move with at least a tenth of the mass of the
+    /// air whose room it takes. What it carries of that air has no weight, and no part in a force that a caller sets.
+    /// Does nothing with any other model, nor to hair that carries it already. Returns a warning for each group of
+    /// strands that carries more than before.
     ///
     /// [`InitialState::new`](crate::InitialState::new) and the engine, where it starts from a caller's arrays, do so.
     pub fn add_air_mass(&mut self, scene: &Scene) -> Vec<String> {

@@ -11,7 +11,8 @@ use crate::{
     strands::Strands,
 };
 
-/// Distance to a hair point below which air is left out \[particle spacings\]: that of a sphere of one particle's volume.
+/// Distance to a hair point below which air is left out \[particle spacings\]: that of a sphere of one particle's
+/// volume.
 const CLEARANCE: f64 = 0.62;
 
 /// Parts along each axis in which a lattice cell is counted that the surface of a body cuts.
@@ -42,9 +43,9 @@ impl Scene {
     }
 }
 
-/// Fills the box: a simple cubic lattice with the hair's own parcels and the bodies left out, and a volume that makes the
-/// mean density of what bodies leave of the box exact once all hair streams in it: strands that hang out of it at the start
-/// are blown in.
+/// Fills the box: a simple cubic lattice with the hair's own parcels and the bodies left out, and a volume that makes
+/// the mean density of what bodies leave of the box exact once all hair streams in it: strands that hang out of it at
+/// the start are blown in.
 ///
 /// Each particle stands off its site by up to `air.jitter` spacings along each axis: by chance, which is PCG XSL 128/64
 /// seeded by `seed`.

@@ -10,8 +10,8 @@ use crate::{
     keys::{KEYS, Key, Kind},
 };
 
-/// Most names of a dotted key; the deepest key of a scene, `turbulence.bands.0.scale`, has four. Walking and printing recurse, and
-/// stacks end.
+/// Most names of a dotted key; the deepest key of a scene, `turbulence.bands.0.scale`, has four. Walking and printing
+/// recurse, and stacks end.
 const DEEPEST: usize = 8;
 
 /// The text with `key = value` set in it.

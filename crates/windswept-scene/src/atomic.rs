@@ -6,8 +6,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// A file that is written beside its place, with [`Self::PART`] behind its name, and takes the place once it is whole. Dropped before that, it
-/// leaves the place as it was and nothing beside it.
+/// A file that is written beside its place, with [`Self::PART`] behind its name, and takes the place once it is whole.
+/// Dropped before that, it leaves the place as it was and nothing beside it.
 ///
 /// A link in either place is replaced itself: what it leads to is not touched.
 #[derive(Debug)]
@@ -56,8 +56,8 @@ impl AtomicFile {
         fs::rename(&self.part, &self.place)
     }
 
-    /// Writes a file of these bytes, at the end of a link where `path` is one, and hands it to the disk. What is there and is no file, as a
-    /// pipe, takes the bytes as they come.
+    /// Writes a file of these bytes, at the end of a link where `path` is one, and hands it to the disk. What is there
+    /// and is no file, as a pipe, takes the bytes as they come.
     ///
     /// # Errors
     /// What the system says; a file that was there is as it was then.
@@ -112,7 +112,8 @@ mod tests {
 
     use super::*;
 
-    /// A file is replaced once the new one is whole, at the end of a link too; a link beside it leads nowhere, and what is no file stays.
+    /// A file is replaced once the new one is whole, at the end of a link too; a link beside it leads nowhere, and what
+    /// is no file stays.
     #[test]
     fn a_file_is_whole_or_as_it_was() {
         let folder = tempfile::tempdir().unwrap();

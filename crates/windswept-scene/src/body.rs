@@ -1,7 +1,7 @@
 //! Bodies that hair and air stay out of: `[[body]]`.
 //!
-//! Everything about a body that depends on its shape stands here, for the CPU, and in `shaders/common/body.wgsl`, for the GPU.
-//! Everybody else asks a [`Shape`] for its signed distance, its bounds or its skin.
+//! Everything about a body that depends on its shape stands here, for the CPU, and in `shaders/common/body.wgsl`, for
+//! the GPU. Everybody else asks a [`Shape`] for its signed distance, its bounds or its skin.
 
 use std::f64::consts::{PI, TAU};
 
@@ -113,8 +113,8 @@ impl SpelledShape {
     }
 }
 
-/// The spheres about both ends and all between them, for the GPU; a sphere has its ends in one point, and so has a mesh, which is no
-/// round shape: its surface is that of its grid.
+/// The spheres about both ends and all between them, for the GPU; a sphere has its ends in one point, and so has a
+/// mesh, which is no round shape: its surface is that of its grid.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Round {
     /// Ends of the axis \[m\].
@@ -161,8 +161,8 @@ impl Shape {
         0.5 * (start + end)
     }
 
-    /// Signed distance of `x` from the surface \[m\], negative inside, and its gradient: the outward normal of the surface
-    /// where that is nearest to `x`.
+    /// Signed distance of `x` from the surface \[m\], negative inside, and its gradient: the outward normal of the
+    /// surface where that is nearest to `x`.
     #[must_use]
     pub fn signed_distance(&self, x: DVec3) -> (f64, DVec3) {
         if let Self::Mesh(solid) = self {
@@ -198,8 +198,8 @@ impl Shape {
         [start.min(end) - radius, start.max(end) + radius]
     }
 
-    /// Points of the surface \[m\] and the outward normals there: of a mesh the three corners of each triangle, else a grid of `rows`
-    /// from pole to pole, an even number, and `sides` + 1 points around, of which the last is the first.
+    /// Points of the surface \[m\] and the outward normals there: of a mesh the three corners of each triangle, else a
+    /// grid of `rows` from pole to pole, an even number, and `sides` + 1 points around, of which the last is the first.
     #[must_use]
     pub fn skin(&self, rows: u32, sides: u32) -> Vec<(DVec3, DVec3)> {
         if let Self::Mesh(solid) = self {
@@ -223,8 +223,8 @@ impl Shape {
         points.map(point).collect()
     }
 
-    /// The surface as triangles between the points of [`Self::skin`], counter-clockwise as seen from outside; those of a mesh are as its
-    /// file has them.
+    /// The surface as triangles between the points of [`Self::skin`], counter-clockwise as seen from outside; those of
+    /// a mesh are as its file has them.
     #[must_use]
     pub fn surface(&self, rows: u32, sides: u32) -> Triangles {
         let points: Vec<DVec3> = self.skin(rows, sides).into_iter().map(|(x, _)| x).collect();

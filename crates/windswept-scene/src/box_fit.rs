@@ -13,8 +13,8 @@ use crate::{
 /// Poses of a moving root that are looked at between two of its keyframes.
 const POSES: u32 = 16;
 
-/// The part of the box of air within `air.margin` of where hair may get, and on the sides that wind enters through also the
-/// fringe: all of it without `air.margin`, without hair, and with strands whose roots are free.
+/// The part of the box of air within `air.margin` of where hair may get, and on the sides that wind enters through also
+/// the fringe: all of it without `air.margin`, without hair, and with strands whose roots are free.
 ///
 /// A strand may get anywhere within its length of its root, wherever its keyframes carry that.
 ///
@@ -42,8 +42,8 @@ pub(crate) fn cut(scene: &Scene, air: &Air, bounds: Bounds, hair: &Strands) -> R
     Ok(cut)
 }
 
-/// Corners of the box that hair may get into \[m\]: everywhere with strands whose roots are free, and nowhere without hair, where the
-/// lower corner is above the upper one.
+/// Corners of the box that hair may get into \[m\]: everywhere with strands whose roots are free, and nowhere without
+/// hair, where the lower corner is above the upper one.
 pub(crate) fn of_hair(scene: &Scene, hair: &Strands) -> [DVec3; 2] {
     if (0..hair.len()).any(|s| hair.ends(s).root == End::Free) {
         return [DVec3::NEG_INFINITY, DVec3::INFINITY];

@@ -27,9 +27,10 @@ use crate::{
 
 /// Curves of a groom file, in the units and axes of the file.
 ///
-/// Offsets rise from 0 to the number of points; there is an id for each strand, a radius for each point or none, and a group, a
-/// place of the root and a mark for each strand or none. What is read from a file is so; what is made in code is checked where it
-/// is written or becomes strands, and what does not belong together panics elsewhere, as an index that is too large does.
+/// Offsets rise from 0 to the number of points; there is an id for each strand, a radius for each point or none, and a
+/// group, a place of the root and a mark for each strand or none. What is read from a file is so; what is made in code
+/// is checked where it is written or becomes strands, and what does not belong together panics elsewhere, as an index
+/// that is too large does.
 ///
 /// ```no_run
 /// use windswept_scene::Curves;
@@ -189,8 +190,8 @@ impl Curves {
         read().map_err(|error: SceneError| error.of(&path.display().to_string(), ""))
     }
 
-    /// Writes a groom file of the format that its name ends in; a file of this name is replaced once all is written. What is returned says what the curves
-    /// have and such a file does not.
+    /// Writes a groom file of the format that its name ends in; a file of this name is replaced once all is written.
+    /// What is returned says what the curves have and such a file does not.
     ///
     /// # Errors
     /// [`SceneError`] where the format cannot hold the curves, and where the file cannot be written.
@@ -209,8 +210,8 @@ impl Curves {
         Ok((!lost.is_empty()).then(words))
     }
 
-    /// Names that a `.npz` file has for what the curves have beside their points, and no rule says: ids that are not the strands'
-    /// indices, radii that are not one.
+    /// Names that a `.npz` file has for what the curves have beside their points, and no rule says: ids that are not
+    /// the strands' indices, radii that are not one.
     fn arrays(&self) -> impl Iterator<Item = &'static str> {
         let arrays = [
             ("ids", self.ids.iter().zip(0..).any(|(id, index)| *id != index)),
@@ -316,7 +317,8 @@ impl Curves {
         self.guides.iter().filter(|mark| **mark).count()
     }
 
-    /// Whether the marks tell strands that are simulated from others, which follow them: not where all or none are marked.
+    /// Whether the marks tell strands that are simulated from others, which follow them: not where all or none are
+    /// marked.
     #[must_use]
     pub(crate) fn follow(&self) -> bool {
         (1..self.len()).contains(&self.marked())

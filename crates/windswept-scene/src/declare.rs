@@ -1,8 +1,8 @@
 //! How a scene's keys are declared: each once, beside the field that it fills.
 //!
-//! [`table!`] declares a table of the file and its struct together; [`words!`] a choice and its enum. From the declaration
-//! follow the struct with its documentation, the key's row in [`crate::keys::KEYS`] and so in `windswept check --explain`,
-//! its default, reading and writing.
+//! [`table!`] declares a table of the file and its struct together; [`words!`] a choice and its enum. From the
+//! declaration follow the struct with its documentation, the key's row in [`crate::keys::KEYS`] and so in `windswept
+//! check --explain`, its default, reading and writing.
 //!
 //! ```text
 //! table! {
@@ -15,11 +15,12 @@
 //! }
 //! ```
 //!
-//! * `name as "key": …` where the key is not called as the field; `as ""` where the field is a group of keys of this table.
-//! * `… Derived("what happens") => |reader| value;` where the value follows from other keys when the file does not say; fields
-//!   above are in scope.
-//! * `pub struct Name, checked by Name::checked { … }` where keys must fit together; the function takes the struct and the
-//!   reader, and may settle what the keys say together.
+//! * `name as "key": …` where the key is not called as the field; `as ""` where the field is a group of keys of this
+//!   table.
+//! * `… Derived("what happens") => |reader| value;` where the value follows from other keys when the file does not say;
+//!   fields above are in scope.
+//! * `pub struct Name, checked by Name::checked { … }` where keys must fit together; the function takes the struct and
+//!   the reader, and may settle what the keys say together.
 //! * `without a field { … }` after the struct for keys that `checked` looks at or that are not built.
 
 use toml_edit::Value as Toml;

@@ -44,8 +44,8 @@ pub(crate) struct Document {
     called: BTreeMap<String, String>,
     /// The names that count.
     taken: HashSet<String>,
-    /// Folder of the scene's file, which paths start from; `None` for text from elsewhere, whose paths start from the current
-    /// directory or are absolute.
+    /// Folder of the scene's file, which paths start from; `None` for text from elsewhere, whose paths start from the
+    /// current directory or are absolute.
     pub(crate) folder: Option<PathBuf>,
 }
 
@@ -62,8 +62,8 @@ impl Document {
         Ok(document)
     }
 
-    /// The error with its key as the user spells it: `hair.fringe.radius`, or `hair.radius` where there is a single such table
-    /// without a name.
+    /// The error with its key as the user spells it: `hair.fringe.radius`, or `hair.radius` where there is a single
+    /// such table without a name.
     pub(crate) fn shown(&self, error: SceneError) -> SceneError {
         let lone = |key: &&str| matches!(self.entries.get(*key), Some(Entry { datum: Datum::Tables(1), .. }));
         // Once only: a name may be the index of another table.
@@ -191,8 +191,8 @@ fn datum(kind: Kind, value: &Value) -> Option<Datum> {
     }
 }
 
-/// The direction of a vector that is not zero. One that is a direction is left alone, so that writing a scene and reading it
-/// again gives the same.
+/// The direction of a vector that is not zero. One that is a direction is left alone, so that writing a scene and
+/// reading it again gives the same.
 fn unit(v: [f64; 3]) -> [f64; 3] {
     let v = DVec3::from_array(v);
     if (v.length_squared() - 1.0).abs() < 4.0 * f64::EPSILON { v.to_array() } else { v.normalize().to_array() }

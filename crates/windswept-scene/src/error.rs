@@ -2,10 +2,11 @@
 
 use std::{borrow::Cow, fmt, ops::Range};
 
-/// A scene that cannot be taken. Says the file, the line, the key, what was expected, and the nearest key if there is one.
+/// A scene that cannot be taken. Says the file, the line, the key, what was expected, and the nearest key if there is
+/// one.
 ///
-/// Keys, names and paths that it quotes may be of a stranger's file: control characters in them are spelled, `\u{1b}`, so that none
-/// reaches a terminal. [`Self::source_text`] alone is as it was read, as spans count its bytes.
+/// Keys, names and paths that it quotes may be of a stranger's file: control characters in them are spelled, `\u{1b}`,
+/// so that none reaches a terminal. [`Self::source_text`] alone is as it was read, as spans count its bytes.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct SceneError(Box<Fault>);
@@ -22,8 +23,8 @@ struct Fault {
     argument: bool,
 }
 
-/// The text with its control characters spelled, `\u{1b}`, as a terminal may show it; all others stay. What is spelled stays so if it is
-/// spelled again.
+/// The text with its control characters spelled, `\u{1b}`, as a terminal may show it; all others stay. What is spelled
+/// stays so if it is spelled again.
 #[must_use]
 pub fn spelled(text: &str) -> Cow<'_, str> {
     if !text.contains(char::is_control) {
@@ -48,7 +49,8 @@ impl SceneError {
         self
     }
 
-    /// The error with its key as one spells it: `hair.length`, not `hair.0.length`; `None` if the key is not in the table at `real`.
+    /// The error with its key as one spells it: `hair.length`, not `hair.0.length`; `None` if the key is not in the
+    /// table at `real`.
     pub(crate) fn renamed(&self, real: &str, called: &str) -> Option<Self> {
         let rest = self.0.key.as_deref()?.strip_prefix(real)?;
         let inside = rest.is_empty() || rest.starts_with('.');

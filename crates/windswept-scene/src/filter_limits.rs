@@ -19,7 +19,8 @@ pub struct Excess {
 }
 
 impl Turbulence {
-    /// Whether a band of `scale` \[m\] would be too much for its filter, in a box of `size` \[m\] with so many particles of air.
+    /// Whether a band of `scale` \[m\] would be too much for its filter, in a box of `size` \[m\] with so many
+    /// particles of air.
     #[must_use]
     pub fn excess(&self, scale: f64, kernel_radius: f64, particles: f64, size: DVec3) -> Option<Excess> {
         match self.filter {
@@ -60,7 +61,8 @@ fn excess_of_taps(scale: f64, nodes: [f64; 3], size: DVec3) -> Option<Excess> {
     nodes.into_iter().zip(size.to_array()).find_map(fits)
 }
 
-/// The direct filter goes over all pairs within its reach, periodic images included, and over all rows of cells that it reaches.
+/// The direct filter goes over all pairs within its reach, periodic images included, and over all rows of cells that it
+/// reaches.
 fn excess_of_pairs(scale: f64, reach: f64, radius: f64, particles: f64, size: DVec3) -> Option<Excess> {
     let volume = size.element_product();
     let pairs = particles * particles / volume * 4.0 / 3.0 * PI * reach.powi(3);
@@ -80,8 +82,8 @@ fn excess_of_pairs(scale: f64, reach: f64, radius: f64, particles: f64, size: DV
 mod tests {
     use super::*;
 
-    /// Grids of too many nodes, taps that would take minutes to fit, and sums over far images are refused, with a scale that would do;
-    /// what scenes have is not.
+    /// Grids of too many nodes, taps that would take minutes to fit, and sums over far images are refused, with a scale
+    /// that would do; what scenes have is not.
     #[test]
     fn filters_that_take_too_much_are_named() {
         let grid = crate::Scene::parse(include_str!("../../../examples/scenes/quick.toml")).unwrap().turbulence;

@@ -29,8 +29,8 @@ words! {
 table! {
     /// One `[[force]]`: a wind u that is added to the mean wind U, with a weight w that falls smoothly from 1 to 0.
     ///
-    /// Air particles are drawn to U + u at the rate w S/uptake, S the strength's magnitude. Hair is dragged by U + u where there
-    /// are no air particles.
+    /// Air particles are drawn to U + u at the rate w S/uptake, S the strength's magnitude. Hair is dragged by U + u
+    /// where there are no air particles.
     #[derive(Debug, Clone, PartialEq)]
     pub struct Force, checked by Force::checked {
         /// Name of the field, for dotted keys and errors.
@@ -41,10 +41,11 @@ table! {
         origin: [f64; 3] = Vector, "m", Required;
         /// Direction of a jet, or axis that a vortex turns about, right-handed.
         axis: Option<[f64; 3]> = Direction, "", Derived("needed with fields jet and vortex");
-        /// Distance at which the field ends: along a jet, from a vortex's axis, from a point; from half of it on it fades.
+        /// Distance at which the field ends: along a jet, from a vortex's axis, from a point; from half of it on it
+        /// fades.
         reach: f64 = Length, "m", Required;
-        /// Radius of a jet, which fades from half of it on; or distance at which a vortex or a point blows with its strength: inside
-        /// it is slower in proportion to the distance. At most half of reach with a vortex or a point.
+        /// Radius of a jet, which fades from half of it on; or distance at which a vortex or a point blows with its
+        /// strength: inside it is slower in proportion to the distance. At most half of reach with a vortex or a point.
         radius: f64 = Length, "m", Derived("a quarter of reach") => |_force| 0.25 * reach;
         /// Way over which air takes the field's wind up, at the strength's speed.
         uptake: f64 = Length, "m", Derived("radius") => |_force| radius;
@@ -103,7 +104,8 @@ impl Force {
         Ok(self)
     }
 
-    /// Times \[s\], rising, and the strength \[m/s\] at each: linear in between, held before the first and after the last.
+    /// Times \[s\], rising, and the strength \[m/s\] at each: linear in between, held before the first and after the
+    /// last.
     #[must_use]
     pub fn keyframes(&self) -> Vec<(f64, f64)> {
         match self.strength {

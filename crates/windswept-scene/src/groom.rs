@@ -17,11 +17,11 @@ use crate::{
 /// Points nearer to each other than this part of their strand's length are one.
 pub(crate) const COINCIDENT: f64 = 1e-6;
 
-/// Strands of the caller's own: they replace a scene's `[hair]` wholly, for [`crate::InitialState::with_groom`]. Where `guides` says
-/// so, only some of them are simulated, and the others follow those.
+/// Strands of the caller's own: they replace a scene's `[hair]` wholly, for [`crate::InitialState::with_groom`]. Where
+/// `guides` says so, only some of them are simulated, and the others follow those.
 ///
-/// The shape they are given in is their rest shape, unless `rest_curvature` is given. Frames follow it without twist, or
-/// with the rest shape's. Every value is one for all strands or one for each.
+/// The shape they are given in is their rest shape, unless `rest_curvature` is given. Frames follow it without twist,
+/// or with the rest shape's. Every value is one for all strands or one for each.
 ///
 /// ```
 /// use windswept_scene::{Fibre, Groom, InitialState, Scene};
@@ -51,12 +51,13 @@ pub struct Groom {
     pub group: PerStrand<u32>,
     /// Fibres that the strands are made of.
     pub fibre: PerStrand<Fibre>,
-    /// Curvature at rest; `None`: the shape that the strands are given in, in which frames go from segment to segment by the smallest
-    /// rotation, with the tip's frame.
+    /// Curvature at rest; `None`: the shape that the strands are given in, in which frames go from segment to segment
+    /// by the smallest rotation, with the tip's frame.
     pub rest_curvature: Option<RestCurvature>,
     /// What the shape that the strands are given in is, where there is no curvature at rest.
     pub rest: RestShape,
-    /// Frame of the clamp (x, y, z, w); `None`: d3 along the first segment, d1 by the smallest rotation from +x, or from +z.
+    /// Frame of the clamp (x, y, z, w); `None`: d3 along the first segment, d1 by the smallest rotation from +x, or
+    /// from +z.
     pub root_frame: Option<PerStrand<[f64; 4]>>,
     /// Frame of a clamped tip (x, y, z, w); `None`: as far turned from the last segment as it is from the point before.
     pub tip_frame: Option<PerStrand<[f64; 4]>>,
@@ -75,7 +76,8 @@ words! {
         /// The rest shape: weight bends the strands from it.
         #[default]
         Weightless = "weightless",
-        /// The shape that gravity alone leaves the strands in, where their roots are clamped: the rest shape is found from it.
+        /// The shape that gravity alone leaves the strands in, where their roots are clamped: the rest shape is found
+        /// from it.
         Hanging = "hanging",
     }
 }
@@ -149,7 +151,8 @@ impl<T> From<Vec<T>> for PerStrand<T> {
 }
 
 impl PerStrand<Fibre> {
-    /// Sets a property of the fibres of `strands` strands, which `name` names in an error; `set` puts a value into a fibre.
+    /// Sets a property of the fibres of `strands` strands, which `name` names in an error; `set` puts a value into a
+    /// fibre.
     ///
     /// # Errors
     /// [`SceneError`] unless there is one value, or one for each strand.
@@ -230,7 +233,8 @@ impl Groom {
         (0..self.len()).filter(|&s| self.is_guide(s))
     }
 
-    /// Number of the points of the strands that are simulated; of offsets that do not fit the points no more than those.
+    /// Number of the points of the strands that are simulated; of offsets that do not fit the points no more than
+    /// those.
     pub(crate) fn simulated_points(&self) -> usize {
         let points = |s: usize| self.offsets[s + 1].saturating_sub(self.offsets[s]) as usize;
         self.simulated().map(points).sum::<usize>().min(self.points.len())

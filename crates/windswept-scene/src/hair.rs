@@ -100,8 +100,8 @@ fn groom(
 }
 
 impl Hair {
-    /// How many strands of the group are simulated, and all that its groom file has where those are more, where the group's motion
-    /// has them at the start \[m\]: the others follow the simulated ones.
+    /// How many strands of the group are simulated, and all that its groom file has where those are more, where the
+    /// group's motion has them at the start \[m\]: the others follow the simulated ones.
     ///
     /// # Errors
     /// As [`GroomFile::curves`].

@@ -25,8 +25,8 @@ pub struct InitialState {
     pub origin: DVec3,
     /// The strands.
     pub hair: Strands,
-    /// All curves of a caller's own groom, where it has more strands than `hair`: the others follow those. A scene's groom files are
-    /// read where followers are asked for ([`Hair::followers`](crate::Hair::followers)).
+    /// All curves of a caller's own groom, where it has more strands than `hair`: the others follow those. A scene's
+    /// groom files are read where followers are asked for ([`Hair::followers`](crate::Hair::followers)).
     pub followers: Option<Curves>,
     /// The air particles.
     pub air: AirParticles,
@@ -89,8 +89,8 @@ impl AirParticles {
 }
 
 impl InitialState {
-    /// Whether a state of the caller's own can be simulated: arrays of fitting lengths within the [`limits`](crate::limits) of a scene, finite
-    /// numbers, air in its box.
+    /// Whether a state of the caller's own can be simulated: arrays of fitting lengths within the
+    /// [`limits`](crate::limits) of a scene, finite numbers, air in its box.
     ///
     /// # Errors
     /// [`SceneError`] names the array or the element.

@@ -1,8 +1,8 @@
 //! The rest shape of a strand that hangs as it is given: what it would be without weight.
 //!
-//! A strand that is clamped at its root and free at its tip is statically determinate: forces and moments follow from its
-//! shape alone, from the tip to the root, and the rest shape from them joint by joint. A tip that is held as well is given the rest shape
-//! of a free one, so that what holds it bears nothing. With the constraints of
+//! A strand that is clamped at its root and free at its tip is statically determinate: forces and moments follow from
+//! its shape alone, from the tip to the root, and the rest shape from them joint by joint. A tip that is held as well
+//! is given the rest shape of a free one, so that what holds it bears nothing. With the constraints of
 //! `docs/decisions/rods.md`, C + α μ = 0, and F the force that holds up what is beyond a segment,
 //!
 //! ```text
@@ -23,8 +23,8 @@ use crate::{
 
 /// Largest sine of half a turn at rest: near 1 a joint forgets which way it turned.
 const LARGEST: f64 = 0.9;
-/// Rounds in which lengths, frames and masses, each of which follows from the others, are found. Strain is below 1e-2, and
-/// a round gains as many digits.
+/// Rounds in which lengths, frames and masses, each of which follows from the others, are found. Strain is below 1e-2,
+/// and a round gains as many digits.
 const ROUNDS: usize = 8;
 /// What came of it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -40,8 +40,8 @@ pub(crate) enum Hung {
 }
 
 impl Shape {
-    /// Changes the rest shape such that `gravity` alone leaves the strand, made of `fibre`, as it is. That of a strand whose root is not
-    /// clamped stays.
+    /// Changes the rest shape such that `gravity` alone leaves the strand, made of `fibre`, as it is. That of a strand
+    /// whose root is not clamped stays.
     pub(crate) fn hang(&mut self, fibre: &Fibre, gravity: DVec3) -> Hung {
         let [root, tip] = self.ends;
         if root != End::Clamped {
@@ -88,15 +88,16 @@ impl Shape {
         }
     }
 
-    /// Whether the energy of bending, twisting and weight grows with every turn of the frames: whether its second derivative,
+    /// Whether the energy of bending, twisting and weight grows with every turn of the frames: whether its second
+    /// derivative,
     ///
     /// ```text
     /// ½ Σ (θ_k − θ_(k−1))ᵀ B_k (θ_k − θ_(k−1)) + M_k · (θ_(k−1) × θ_k)
     ///   − ½ Σ l_k ((F_k · d3) |θ_k|² − (F_k · θ_k)(d3 · θ_k)),      B = Aᵀ α⁻¹ A + ¼ (ν · Im(p)),  A = ½ (Re(p) − [Im(p)]×) Rᵀ
     /// ```
     ///
-    /// is positive. It is a chain of blocks, which Gauss eliminates from the root on. Strands hardly stretch, and this takes
-    /// them as if they did not.
+    /// is positive. It is a chain of blocks, which Gauss eliminates from the root on. Strands hardly stretch, and this
+    /// takes them as if they did not.
     fn is_stable(&self, joints: &[Joint], forces: &[DVec3]) -> bool {
         let mut eliminated = DMat3::ZERO;
         (0..self.lengths.len()).all(|k| {

@@ -104,7 +104,8 @@ impl Key {
         KEYS.iter().find(|key| key.path == path)
     }
 
-    /// The TOML value that a file without the key has, with method `accurate` or `published`; `None` where there is none.
+    /// The TOML value that a file without the key has, with method `accurate` or `published`; `None` where there is
+    /// none.
     #[must_use]
     pub fn default_of(&self, accurate: bool) -> Option<&str> {
         match &self.default {

@@ -34,8 +34,8 @@ impl Scene {
         Self::parse_with(name, text, &[])
     }
 
-    /// Reads a scene file. Paths of files in it start from its folder, and absolute ones are refused. [`Self::text`] has them absolute;
-    /// [`Self::text_in`] is text for another scene file.
+    /// Reads a scene file. Paths of files in it start from its folder, and absolute ones are refused. [`Self::text`]
+    /// has them absolute; [`Self::text_in`] is text for another scene file.
     ///
     /// # Errors
     /// As [`Self::parse`], and when the file cannot be read.
@@ -93,15 +93,15 @@ impl Scene {
         }
     }
 
-    /// Text that the scene was read from, assignments included; after [`Self::load`] its paths are absolute. `scene.toml` in a run's folder
-    /// holds [`Self::text_in`] instead.
+    /// Text that the scene was read from, assignments included; after [`Self::load`] its paths are absolute.
+    /// `scene.toml` in a run's folder holds [`Self::text_in`] instead.
     #[must_use]
     pub fn text(&self) -> &str {
         &self.text.text
     }
 
-    /// The text for a scene file in `folder`, which is there: [`Self::text`] with paths of files that start from the folder. Only on
-    /// another drive of Windows a path stays absolute.
+    /// The text for a scene file in `folder`, which is there: [`Self::text`] with paths of files that start from the
+    /// folder. Only on another drive of Windows a path stays absolute.
     #[must_use]
     pub fn text_in(&self, folder: &Path) -> String {
         let relative = |file: &Path| {
@@ -113,8 +113,8 @@ impl Scene {
         assign::with_files(self.text(), relative).unwrap_or_else(|| self.text().to_owned())
     }
 
-    /// What messages call the group of strands of this index: `hair` where it is the only one and no name was given to it, else
-    /// `hair.NAME`.
+    /// What messages call the group of strands of this index: `hair` where it is the only one and no name was given to
+    /// it, else `hair.NAME`.
     #[must_use]
     pub fn called(&self, group: usize) -> String {
         match &self.hair[..] {
@@ -123,9 +123,9 @@ impl Scene {
         }
     }
 
-    /// An error that was found after the scene was read, with the file and the line that spell its key, or the assignment that does. The key is a real path
-    /// (`hair.0.file`), and becomes the one that the text has (`hair.file`). Other keys than a scene's, as those of a caller's own
-    /// groom, stay.
+    /// An error that was found after the scene was read, with the file and the line that spell its key, or the
+    /// assignment that does. The key is a real path (`hair.0.file`), and becomes the one that the text has
+    /// (`hair.file`). Other keys than a scene's, as those of a caller's own groom, stay.
     pub(crate) fn located(&self, error: SceneError) -> SceneError {
         let Some(key) = error.key().filter(|key| is_of_scene(key)).map(str::to_owned) else { return error };
         let group = key.strip_prefix("hair.").and_then(|rest| rest.split('.').next()?.parse().ok());
@@ -155,7 +155,8 @@ impl Scene {
     }
 }
 
-/// What a film says of its scene: what a scene file says of it by itself, without the groom and mesh files that it names.
+/// What a film says of its scene: what a scene file says of it by itself, without the groom and mesh files that it
+/// names.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outline {
     /// Text of the file.
@@ -187,8 +188,8 @@ impl Outline {
 }
 
 impl Source {
-    /// The assignment that gave the key of this real path its value; where the text does not spell it, that of the file in its table, which
-    /// asks for it.
+    /// The assignment that gave the key of this real path its value; where the text does not spell it, that of the file
+    /// in its table, which asks for it.
     fn assigned(&self, key: &str) -> Option<&String> {
         let (given, sets) = &self.given;
         let file = key.rsplit_once('.').map(|(table, _)| format!("{table}.file"));
@@ -218,8 +219,8 @@ fn is_of_scene(key: &str) -> bool {
 /// Folders and files in whose place the system has what this process was given to read, as a pipe from another command.
 const GIVEN: [&str; 3] = ["/dev/stdin", "/dev/fd", "/proc/self/fd"];
 
-/// A scene file's text. It may come through a pipe that the process was given, but not without end; other pipes and devices may never
-/// end, or never begin.
+/// A scene file's text. It may come through a pipe that the process was given, but not without end; other pipes and
+/// devices may never end, or never begin.
 fn read_text(path: &Path) -> Result<String, SceneError> {
     let odd = |kind: fs::Metadata| !kind.is_file() && !kind.is_dir();
     if fs::metadata(path).is_ok_and(odd) && !GIVEN.iter().any(|given| path.starts_with(given)) {

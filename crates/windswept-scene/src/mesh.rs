@@ -4,19 +4,20 @@ use glam::DVec3;
 
 use crate::scene::Turbulence;
 
-/// Largest ratio of two bands' scales up to which the coarser band takes the grid of the finer one: a grid of its own would have
-/// a third of the nodes, and cost a deposit.
+/// Largest ratio of two bands' scales up to which the coarser band takes the grid of the finer one: a grid of its own
+/// would have a third of the nodes, and cost a deposit.
 const SHARED: f64 = 1.4;
 /// Fewest nodes along an axis: with so many a window does not meet its own periodic image.
 const FEWEST: f64 = 4.0;
-/// Reach of the taps that smooth the grid \[scales\], and nodes that they do without: in air on a lattice the band velocity is then at most
-/// 1e-4 off wherever nodes are up to 0.65 scales apart. The coarser the grid, the more of its waves the window leaves out,
-/// of which taps may make anything.
+/// Reach of the taps that smooth the grid \[scales\], and nodes that they do without: in air on a lattice the band
+/// velocity is then at most 1e-4 off wherever nodes are up to 0.65 scales apart. The coarser the grid, the more of its
+/// waves the window leaves out, of which taps may make anything.
 const REACH: f64 = 4.9;
 const SPARED: f64 = 2.0;
 
 impl Turbulence {
-    /// Bands that have a strength, grid by grid: indices into `bands`, finest first. The first band of a grid sets its spacing.
+    /// Bands that have a strength, grid by grid: indices into `bands`, finest first. The first band of a grid sets its
+    /// spacing.
     #[must_use]
     pub fn grids(&self) -> Vec<Vec<usize>> {
         let mut order: Vec<usize> = (0..self.bands.len()).filter(|&i| self.bands[i].strength > 0.0).collect();
@@ -31,8 +32,8 @@ impl Turbulence {
         grids
     }
 
-    /// Number of nodes along each axis of the grid for a band of `scale` \[m\] in a box of `size` \[m\]: at most `spacing` scales apart,
-    /// and at most a kernel radius \[m\], so that few particles reach a node.
+    /// Number of nodes along each axis of the grid for a band of `scale` \[m\] in a box of `size` \[m\]: at most
+    /// `spacing` scales apart, and at most a kernel radius \[m\], so that few particles reach a node.
     #[must_use]
     pub fn nodes(&self, scale: f64, kernel_radius: f64, size: DVec3) -> [f64; 3] {
         let spacing = (self.spacing * scale).min(kernel_radius);

@@ -8,7 +8,8 @@ use rand_pcg::Pcg64;
 
 use crate::solid::Solid;
 
-/// Distance that roots are to keep at first, over the side of the square that each has for itself: as dense as random discs lie.
+/// Distance that roots are to keep at first, over the side of the square that each has for itself: as dense as random
+/// discs lie.
 const APART: f64 = 0.85;
 /// Roots in a row that lie too near to others before the distance is made less.
 const TRIES: u32 = 64;
@@ -54,8 +55,9 @@ impl<'a> Areas<'a> {
         self.ends.last().copied().unwrap_or_default()
     }
 
-    /// A place on the triangles by three numbers from 0 to below 1: that part of the area lies before its triangle, or in it, and the other
-    /// two say where in the triangle it is. Its triangle, what parts of its corners it consists of, and where it is \[m\].
+    /// A place on the triangles by three numbers from 0 to below 1: that part of the area lies before its triangle, or
+    /// in it, and the other two say where in the triangle it is. Its triangle, what parts of its corners it consists
+    /// of, and where it is \[m\].
     pub(crate) fn place(&self, [part, u, v]: [f64; 3]) -> (usize, [f64; 3], DVec3) {
         let at = self.total() * part;
         let triangle = self.triangles[self.ends.partition_point(|end| *end <= at).min(self.ends.len() - 1)];
@@ -68,8 +70,8 @@ impl<'a> Areas<'a> {
 
 /// As many roots as `count` on some triangles of a solid. Together the triangles have an area.
 ///
-/// Places are drawn evenly over the area. One that is nearer to another than a distance is drawn again; where none is found that is
-/// far enough from all, the distance is made less.
+/// Places are drawn evenly over the area. One that is nearer to another than a distance is drawn again; where none is
+/// found that is far enough from all, the distance is made less.
 pub(crate) fn scatter(solid: &Solid, triangles: &[usize], count: u32, rng: &mut Pcg64) -> Vec<Seat> {
     let areas = Areas::new(solid, triangles);
     let cell = APART * (areas.total() / f64::from(count)).sqrt();

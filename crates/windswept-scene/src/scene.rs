@@ -45,8 +45,8 @@ pub(crate) const CLAMPED_TIP: &str =
 pub(crate) const SEED: u64 = 1;
 
 table! {
-    /// A whole scene, checked. Made by [`Scene::parse`] or [`Scene::load`]. Two are equal when they mean the same, however
-    /// their texts spell it.
+    /// A whole scene, checked. Made by [`Scene::parse`] or [`Scene::load`]. Two are equal when they mean the same,
+    /// however their texts spell it.
     #[derive(Debug, Clone, PartialEq)]
     pub struct Scene, checked by Scene::checked {
         /// Text that the scene was read from.
@@ -87,8 +87,8 @@ table! {
     }
 }
 
-/// Text that a scene was read from, assignments included; empty for a scene made in code. It plays no part in whether two
-/// scenes are equal.
+/// Text that a scene was read from, assignments included; empty for a scene made in code. It plays no part in whether
+/// two scenes are equal.
 #[derive(Debug, Clone, Default)]
 pub struct Source {
     /// The text.
@@ -173,10 +173,11 @@ table! {
     /// `[interaction]`: how hair and air meet.
     #[derive(Debug, Clone, PartialEq)]
     pub struct Interaction {
-        /// Model of the interaction: one fluid of particles; hair and air particles that exchange drag; lift and drag of the mean
-        /// wind; hair alone.
+        /// Model of the interaction: one fluid of particles; hair and air particles that exchange drag; lift and drag
+        /// of the mean wind; hair alone.
         model: Model = Choice(Model::WORDS), "", Fallback::Method(Model::TwoWay, Model::Particles);
-        /// Lift coefficient C_l of a segment across the wind (models `two-way` and `drag`, and hair outside the box of model `particles`).
+        /// Lift coefficient C_l of a segment across the wind (models `two-way` and `drag`, and hair outside the box of
+        /// model `particles`).
         lift: f64 = NonNegative, "", Value(0.0);
     }
 }
@@ -207,13 +208,15 @@ table! {
     /// `[fluid]`: what keeps air, and hair among it, from being compressed.
     #[derive(Debug, Clone, PartialEq)]
     pub struct Fluid {
-        /// Solver of the air: a constraint on how its velocity diverges, or one on its density by moves (position-based fluids).
+        /// Solver of the air: a constraint on how its velocity diverges, or one on its density by moves (position-based
+        /// fluids).
         solver: FluidSolver = Choice(FluidSolver::WORDS), "", Fallback::Method(FluidSolver::Divergence, FluidSolver::Pbf);
         /// Iterations of the pressure of solver divergence.
         pressure_iterations: Option<u32> = Count(1, MAX_PRESSURE_ITERATIONS), "", Derived("2, or 4 with model particles");
         /// Whether solver divergence solves for the pressure on a coarse grid first; not with model particles.
         coarse: bool = Bool, "", Value(true);
-        /// Jacobi iterations of the density constraint: of solver pbf, and of hair on hair with model two-way; 0 leaves it out.
+        /// Jacobi iterations of the density constraint: of solver pbf, and of hair on hair with model two-way; 0 leaves
+        /// it out.
         iterations: u32 = Count(0, MAX_REPEATS), "", Value(2);
         /// Fraction of a Jacobi step that the density constraint takes.
         relaxation: f64 = Positive, "", Value(0.5);
@@ -271,8 +274,9 @@ impl Scene {
         self.fluid.pressure_iterations.unwrap_or(if self.interaction.model == Model::Particles { 4 } else { 2 })
     }
 
-    /// Part of its unevenness that still air of solver `divergence` takes out in a substep (`docs/decisions/air.md`): all of it in 1.38 ms,
-    /// and so much less in a shorter one; 0 with the model `particles`, where hair takes the place of air.
+    /// Part of its unevenness that still air of solver `divergence` takes out in a substep (`docs/decisions/air.md`):
+    /// all of it in 1.38 ms, and so much less in a shorter one; 0 with the model `particles`, where hair takes the
+    /// place of air.
     #[must_use]
     pub fn settling(&self) -> f64 {
         /// In 1 s.
@@ -283,15 +287,15 @@ impl Scene {
         (RATE * self.time.step / f64::from(self.time.substeps)).min(1.0)
     }
 
-    /// Share f of the way of air of solver `divergence` in a substep by which its particles are spread (`docs/decisions/air.md`): 0.1
-    /// with the coarse grid, 0.05 without.
+    /// Share f of the way of air of solver `divergence` in a substep by which its particles are spread
+    /// (`docs/decisions/air.md`): 0.1 with the coarse grid, 0.05 without.
     #[must_use]
     pub fn spreading(&self) -> f64 {
         if self.has_coarse_grid() { 0.1 } else { 0.05 }
     }
 
-    /// A warning where the mean wind and a force field carry air farther in a step of `time.substeps` substeps than its pressure keeps up with;
-    /// `None` where it does not, or without air.
+    /// A warning where the mean wind and a force field carry air farther in a step of `time.substeps` substeps than its
+    /// pressure keeps up with; `None` where it does not, or without air.
     #[must_use]
     pub fn why_too_fast(&self) -> Option<String> {
         warnings::of_wind(self, self.air.as_ref()?)
@@ -335,8 +339,8 @@ impl Scene {
         Ok((body, solid, triangles))
     }
 
-    /// How far roots are spread \[m\]: the radius of their patch, or of the disc that is as large as their triangles; `None` where there
-    /// are no such triangles.
+    /// How far roots are spread \[m\]: the radius of their patch, or of the disc that is as large as their triangles;
+    /// `None` where there are no such triangles.
     #[must_use]
     pub fn spread_of_roots(&self, roots: &Roots) -> Option<f64> {
         match roots {

@@ -11,13 +11,13 @@ const OFF: f64 = 5e-5;
 const STILL: f64 = 0.07;
 /// Time for which a strand must be still that nothing brings back to where it was \[s\].
 const NEVER: f64 = 1e6;
-/// Least way that a point may go while its strand is at rest \[lengths of the strand\]: f32 lets strands tremble by up to 1e-6,
-/// where nothing brakes them.
+/// Least way that a point may go while its strand is at rest \[lengths of the strand\]: f32 lets strands tremble by up
+/// to 1e-6, where nothing brakes them.
 const TREMBLE: f64 = 2e-6;
 /// 2 (1 + √2)², of the longest time that a swing keeps near a turning point: see [`Strands::rest`].
 const SWUNG: f64 = 11.657;
-/// Rate at which air may brake hair, beside `rods.damping` \[1/s\]: at the speeds of a strand at rest it is small, since `rods/drag`
-/// goes with u^(1/3).
+/// Rate at which air may brake hair, beside `rods.damping` \[1/s\]: at the speeds of a strand at rest it is small,
+/// since `rods/drag` goes with u^(1/3).
 const BRAKE: f64 = 2.0;
 
 /// Bounds below which a strand may be left alone: how little it moves in how long a time, and how little it is pushed.
@@ -32,9 +32,11 @@ pub struct Rest {
 }
 
 impl Strands {
-    /// Bounds of rest for strand `s`: a push that bends it, or the rest of a way that it creeps, stay below 1e-4 of its length.
+    /// Bounds of rest for strand `s`: a push that bends it, or the rest of a way that it creeps, stay below 1e-4 of its
+    /// length.
     ///
-    /// The strand's slowest mode has ω² = 12.36 EI/(ρA L⁴) by its stiffness where the root is clamped (Euler-Bernoulli beam) and
+    /// The strand's slowest mode has ω² = 12.36 EI/(ρA L⁴) by its stiffness where the root is clamped (Euler-Bernoulli
+    /// beam) and
     /// 1.446 g/L where it hangs (hanging chain).
     #[must_use]
     pub fn rest(&self, s: usize, scene: &Scene) -> Rest {
@@ -54,8 +56,8 @@ impl Strands {
         let of_weight = 1.446 * gravity / length;
         let square = if clamped { of_weight.max(12.36 * stiffness / (mass * length.powi(3))) } else { of_weight };
         let rate = square / (square.sqrt() + scene.rods.damping + BRAKE);
-        // Part of what a strand is off that it goes in so long a time, at least: one that creeps, and one that swings, about a
-        // turning point, in (1 + √2) √(2 way/(off ω²)).
+        // Part of what a strand is off that it goes in so long a time, at least: one that creeps, and one that swings,
+        // about a turning point, in (1 + √2) √(2 way/(off ω²)).
         let gone = |time: f64| (rate * time).min(square * time * time / SWUNG).min(1.0);
         let least = TREMBLE / OFF;
         let time = STILL.max(least / rate).max((SWUNG * least / square).sqrt()).min(NEVER);

@@ -19,11 +19,12 @@ use crate::{
     units::with_scale,
 };
 
-/// Cells that a grid reaches beyond its surface: half a particle spacing of air is within, where distances are those of the surface.
+/// Cells that a grid reaches beyond its surface: half a particle spacing of air is within, where distances are those of
+/// the surface.
 const MARGIN: f64 = 10.0;
 
-/// Longest sides between which a mesh may well be what its scale makes of it \[m\]. Where the grid of a larger one has too many nodes,
-/// its scale may be that of other units.
+/// Longest sides between which a mesh may well be what its scale makes of it \[m\]. Where the grid of a larger one has
+/// too many nodes, its scale may be that of other units.
 pub(crate) const LIKELY: RangeInclusive<f64> = 0.05..=2.0;
 
 /// A mesh file, and how its triangles become a solid.
@@ -41,12 +42,14 @@ pub struct MeshFile {
 
 /// Places where a grid is compared with its triangles: a hundredth of them says enough.
 const ERROR_PLACES: u32 = 10_000;
-/// Numbers whose multiples' fractions lie evenly in a square (Roberts 2018, "The unreasonable effectiveness of quasirandom sequences").
+/// Numbers whose multiples' fractions lie evenly in a square (Roberts 2018, "The unreasonable effectiveness of
+/// quasirandom sequences").
 const EVENLY: [f64; 2] = [0.754_877_666_246_693, 0.569_840_290_998_053];
 
 /// What the surface of a mesh file encloses, its holes covered, somewhere in the world.
 ///
-/// Solids of one content share it, as long as one of them is there: loading a file again costs reading it, and no more memory.
+/// Solids of one content share it, as long as one of them is there: loading a file again costs reading it, and no more
+/// memory.
 #[derive(Debug, Clone)]
 pub struct Solid {
     file: MeshFile,
@@ -106,8 +109,9 @@ impl PartialEq for Solid {
 }
 
 impl Solid {
-    /// Reads a mesh file, and makes the grid of its distances. One that takes longer than 0.3 s to make is kept in the folder
-    /// that the environment variable `WINDSWEPT_CACHE` names, if it names one, and read from there the next time.
+    /// Reads a mesh file, and makes the grid of its distances. One that takes longer than 0.3 s to make is kept in the
+    /// folder that the environment variable `WINDSWEPT_CACHE` names, if it names one, and read from there the next
+    /// time.
     ///
     /// # Errors
     /// [`SceneError`] where the file cannot be read, does not say its unit, or encloses nothing, and where the grid would be too large.
@@ -116,8 +120,8 @@ impl Solid {
         Self::load_beside(file, Path::new(""))
     }
 
-    /// What triangles in metres enclose, with a grid of this spacing \[m\], or of [`DistanceGrid::spacing_for`] them. It has no file, so
-    /// that a scene's text cannot say it.
+    /// What triangles in metres enclose, with a grid of this spacing \[m\], or of [`DistanceGrid::spacing_for`] them.
+    /// It has no file, so that a scene's text cannot say it.
     ///
     /// # Errors
     /// As [`DistanceGrid::bake`].
@@ -216,15 +220,16 @@ impl Solid {
         self.content.inradius
     }
 
-    /// Signed distance of `x` from the surface \[m\], and the unit vector along its gradient: [`DistanceGrid::signed_distance`].
+    /// Signed distance of `x` from the surface \[m\], and the unit vector along its gradient:
+    /// [`DistanceGrid::signed_distance`].
     #[must_use]
     pub fn signed_distance(&self, x: DVec3) -> (f64, DVec3) {
         let (distance, normal) = self.grid().signed_distance(self.rotation.inverse() * (x - self.origin));
         (distance, self.rotation * normal)
     }
 
-    /// How far the grid puts the surface off its triangles \[m\]: the distance that it says there, which a hundredth of their area exceeds.
-    /// Triangles with the solid on both sides, as those of eyeballs in a head, do not count.
+    /// How far the grid puts the surface off its triangles \[m\]: the distance that it says there, which a hundredth of
+    /// their area exceeds. Triangles with the solid on both sides, as those of eyeballs in a head, do not count.
     #[must_use]
     pub fn grid_error(&self) -> f64 {
         let triangles: Vec<usize> = (0..self.triangles().corners.len()).collect();

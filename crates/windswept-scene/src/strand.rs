@@ -29,8 +29,8 @@ impl Fibre {
         (stretch, stretch / (2.0 * (1.0 + poissons_ratio)))
     }
 
-    /// Stiffness to bend and twist: EI about d1 and d2, GJ \[N m²\]. An ellipse with semi-axes b along d1 and a along d2 has
-    /// the moments π a³ b/4, π a b³/4 and Saint-Venant's π a³ b³/(a² + b²).
+    /// Stiffness to bend and twist: EI about d1 and d2, GJ \[N m²\]. An ellipse with semi-axes b along d1 and a along
+    /// d2 has the moments π a³ b/4, π a b³/4 and Saint-Venant's π a³ b³/(a² + b²).
     pub(crate) fn bend(&self, part: f64) -> DVec3 {
         match self.stiffness {
             Stiffness::Moduli { youngs_modulus, poissons_ratio } => {

@@ -52,7 +52,8 @@ pub struct Strands {
     pub fibres: Vec<f64>,
     /// Per segment: inverse inertia 1/I \[1/(kg m²)\], I = ½ m_s l².
     pub inverse_inertia: Vec<f64>,
-    /// Per segment: compliance of shear along d1, shear along d2, stretch along d3: 1/(GA l), 1/(GA l), 1/(EA l) \[1/(N m)\].
+    /// Per segment: compliance of shear along d1, shear along d2, stretch along d3: 1/(GA l), 1/(GA l), 1/(EA l) \[1/(N
+    /// m)\].
     pub stretch_compliance: Vec<DVec3>,
     /// Per joint: compliance of bend about d1, bend about d2, twist about d3: l̄/(4EI), l̄/(4EI), l̄/(4GJ) \[1/(N m)\].
     pub bend_compliance: Vec<DVec3>,
@@ -142,7 +143,8 @@ impl Strands {
         self.root_frame[s] = root_frame;
     }
 
-    /// Corners of the box about the points of the strands of this [`group`](field@Self::group) \[m\]; of all where none is said.
+    /// Corners of the box about the points of the strands of this [`group`](field@Self::group) \[m\]; of all where none
+    /// is said.
     #[must_use]
     pub fn bounds(&self, group: Option<u32>) -> [DVec3; 2] {
         let of_group = |&s: &usize| group.is_none_or(|group| self.group.get(s) == Some(&group));
@@ -193,12 +195,14 @@ impl Strands {
         self.weight.get(i).copied().unwrap_or(1.0)
     }
 
-    /// What messages call the group that strand `s` is of: as [`Scene::called`], or `groom` where the scene has no hair.
+    /// What messages call the group that strand `s` is of: as [`Scene::called`], or `groom` where the scene has no
+    /// hair.
     pub(crate) fn origin(&self, s: usize, scene: &Scene) -> String {
         self.group_index(s, scene).map_or_else(|| "groom".to_owned(), |group| scene.called(group))
     }
 
-    /// The real path of the table that strand `s` comes from, for [`Scene::located`]; `groom` where the scene has no hair.
+    /// The real path of the table that strand `s` comes from, for [`Scene::located`]; `groom` where the scene has no
+    /// hair.
     pub(crate) fn table(&self, s: usize, scene: &Scene) -> String {
         self.group_index(s, scene).map_or_else(|| "groom".to_owned(), |group| format!("hair.{group}"))
     }

@@ -44,8 +44,8 @@ pub struct Triangles {
     pub corners: Vec<[u32; 3]>,
     /// Normal at each corner of each triangle, zero where the file says none; empty where it says none at all.
     pub normals: Vec<[DVec3; 3]>,
-    /// Place of each corner of each triangle in the texture, whose lower left corner is (0, 0); zero where the file says none, and empty
-    /// where it says none at all.
+    /// Place of each corner of each triangle in the texture, whose lower left corner is (0, 0); zero where the file
+    /// says none, and empty where it says none at all.
     pub uvs: Vec<[[f32; 2]; 3]>,
     /// Parts of the triangles that the file gives names.
     pub parts: Vec<Part>,
@@ -98,7 +98,8 @@ impl Triangles {
         read(bytes)?.checked()
     }
 
-    /// The triangles in metres, with the file's `up` turned to +Y; `scale` is metres per unit. A mirror image keeps its outside.
+    /// The triangles in metres, with the file's `up` turned to +Y; `scale` is metres per unit. A mirror image keeps its
+    /// outside.
     #[must_use]
     pub fn in_metres(mut self, scale: f64, up: Up) -> Self {
         for point in &mut self.points {
@@ -214,7 +215,8 @@ impl Triangles {
     }
 }
 
-/// Triangles of a polygon file: each polygon is a fan about its first corner. A corner has the normal and the place of its point.
+/// Triangles of a polygon file: each polygon is a fan about its first corner. A corner has the normal and the place of
+/// its point.
 fn polygons(bytes: &[u8]) -> Result<Triangles, SceneError> {
     let polygons = curves::ply_polygons(bytes)?;
     let fan = |polygon: Vec<u32>| -> Vec<[u32; 3]> {

@@ -16,7 +16,8 @@ use crate::{
 
 /// Kernel radii in particle spacings between which the density constraint was tried; the paper's is 1.92.
 const TRIED: std::ops::RangeInclusive<f64> = 1.5..=3.0;
-/// Scale of the smallest eddies that particles carry \[particle spacings\]: smaller ones are passed at the particles' Nyquist wave number with a gain above 7.5 %.
+/// Scale of the smallest eddies that particles carry \[particle spacings\]: smaller ones are passed at the particles'
+/// Nyquist wave number with a gain above 7.5 %.
 const SMALLEST_EDDY: f64 = 1.03;
 
 /// Longest side of a mesh below which it is likely that its scale is wrong \[m\].
@@ -28,8 +29,8 @@ const STEPS_ALONG: f64 = 32.0;
 /// Part of a mesh's surface that may cover holes without a warning: the neck of a head is 5 %.
 const MUCH_COVERED: f64 = 0.1;
 
-/// How far a grid may put a hundredth of a mesh's surface off without a warning \[m\]. The default spacing of 2 mm is off by less on a
-/// head with ears (h²/(4 R): 0.22 mm where the radius of curvature R is 5 mm) and at edges.
+/// How far a grid may put a hundredth of a mesh's surface off without a warning \[m\]. The default spacing of 2 mm is
+/// off by less on a head with ears (h²/(4 R): 0.22 mm where the radius of curvature R is 5 mm) and at edges.
 const COARSE: f64 = 5e-4;
 
 /// Part of its shortest segment by which a strand's places may be rounded without a warning.
@@ -38,11 +39,13 @@ const MUCH_ROUNDED: f64 = 0.02;
 /// Part of the box's cross-section that bodies may block without a warning.
 const MUCH_BLOCKED: f64 = 0.3;
 
-/// Way of air past a round body in a step for which its density stays even \[radii of the body\], and past any \[particle spacings\].
+/// Way of air past a round body in a step for which its density stays even \[radii of the body\], and past any
+/// \[particle spacings\].
 const WAY_BY_RADIUS: f64 = 0.25;
 const WAY: f64 = 0.9;
 
-/// Largest speed of eddies, over the wind's, at which steps of nearly a spacing were found right (`docs/decisions/air.md`).
+/// Largest speed of eddies, over the wind's, at which steps of nearly a spacing were found right
+/// (`docs/decisions/air.md`).
 const WEAK: f64 = 0.3;
 
 /// Warnings about step, wind, particles and bands.
@@ -127,7 +130,8 @@ pub(crate) fn of_wind(scene: &Scene, air: &Air) -> Option<String> {
     ))
 }
 
-/// Way of the air in a step for which its pressure is right \[particle spacings\]. The coarse grid doubles it where eddies are weak.
+/// Way of the air in a step for which its pressure is right \[particle spacings\]. The coarse grid doubles it where
+/// eddies are weak.
 fn farthest(scene: &Scene) -> f64 {
     match scene.fluid.solver {
         FluidSolver::Divergence if scene.has_coarse_grid() && has_weak_eddies(scene) => WAY,
@@ -230,8 +234,8 @@ pub(crate) fn of_hair(hair: &Strands, air: &AirParticles, wind: DVec3) -> Vec<St
     warnings
 }
 
-/// A warning about hair that starts inside bodies, by more than rounding and grids make of a surface: points, and segments whose two points
-/// are outside.
+/// A warning about hair that starts inside bodies, by more than rounding and grids make of a surface: points, and
+/// segments whose two points are outside.
 pub(crate) fn of_bodies(hair: &Strands, bodies: &[Shape]) -> Option<String> {
     let slack: Vec<f64> = bodies.iter().map(Shape::slack).collect();
     let bodies = || bodies.iter().zip(&slack);
@@ -246,8 +250,8 @@ pub(crate) fn of_bodies(hair: &Strands, bodies: &[Shape]) -> Option<String> {
     (!what.is_empty()).then(|| format!("{} start inside bodies, which push them out", what.join(" and ")))
 }
 
-/// Whether a segment between two points outside is deeper inside a body than `slack` \[m\] somewhere. A step from a place leads as far as no
-/// place inside can be: a trilinear distance grows by at most √3 m in a metre.
+/// Whether a segment between two points outside is deeper inside a body than `slack` \[m\] somewhere. A step from a
+/// place leads as far as no place inside can be: a trilinear distance grows by at most √3 m in a metre.
 fn crosses(body: &Shape, slack: f64, [from, to]: [DVec3; 2]) -> bool {
     let length = from.distance(to);
     let least = length / STEPS_ALONG;
@@ -262,8 +266,8 @@ fn crosses(body: &Shape, slack: f64, [from, to]: [DVec3; 2]) -> bool {
     false
 }
 
-/// Warnings about meshes that are so small that their scale may be that of other units, have a large part missing, or more detail than their
-/// grids.
+/// Warnings about meshes that are so small that their scale may be that of other units, have a large part missing, or
+/// more detail than their grids.
 pub(crate) fn of_meshes(scene: &Scene) -> Vec<String> {
     let mut warnings = Vec::new();
     for (name, solid) in scene.bodies.iter().filter_map(|body| Some((&body.name, body.shape.solid()?))) {
@@ -294,8 +298,9 @@ pub(crate) fn of_meshes(scene: &Scene) -> Vec<String> {
     warnings
 }
 
-/// A warning for each body beside which air goes too far in a substep for its density to stay even: more than a quarter of the radius of a round
-/// body, or more than 0.9 particle spacings where the body moves. The error of the density is 0.8 (U Δt/R)² (`docs/decisions/air.md`).
+/// A warning for each body beside which air goes too far in a substep for its density to stay even: more than a quarter
+/// of the radius of a round body, or more than 0.9 particle spacings where the body moves. The error of the density is
+/// 0.8 (U Δt/R)² (`docs/decisions/air.md`).
 pub(crate) fn of_way_beside(scene: &Scene, air: &Air) -> Vec<String> {
     if scene.fluid.solver == FluidSolver::Pbf {
         return Vec::new();

@@ -34,8 +34,8 @@ pub struct InflowWave {
 }
 
 impl Inflow {
-    /// Waves of one amplitude for a box of `size` \[m\], the same on every machine: the band of `scale` has the rms speed `intensity` in
-    /// them, in parts of the wind's.
+    /// Waves of one amplitude for a box of `size` \[m\], the same on every machine: the band of `scale` has the rms
+    /// speed `intensity` in them, in parts of the wind's.
     #[must_use]
     pub fn waves(&self, size: DVec3) -> Vec<InflowWave> {
         let mut rng = Pcg64::seed_from_u64(self.seed);
@@ -58,7 +58,8 @@ impl Inflow {
             InflowWave { number, amplitude: across, phase: rng.random_range(0.0..TAU) }
         };
         let mut waves: Vec<InflowWave> = (0..WAVES).map(|_| wave()).collect();
-        // Of a wave of amplitude a the band has the mean square (a gain)²/2. A box too small for the eddies has waves outside the band.
+        // Of a wave of amplitude a the band has the mean square (a gain)²/2. A box too small for the eddies has waves
+        // outside the band.
         let gain = |wave: &InflowWave| hat_gain(self.scale * wave.number.length()).max(MIN_GAIN);
         let mean_square: f64 = waves.iter().map(|wave| 0.5 * gain(wave).powi(2)).sum();
         let amplitude = self.intensity / mean_square.sqrt();
@@ -67,7 +68,8 @@ impl Inflow {
     }
 }
 
-/// Part of a wave of number k that the band of scale s keeps, of `x` = k s: the transform of the Mexican hat, 1 at its peak √2.
+/// Part of a wave of number k that the band of scale s keeps, of `x` = k s: the transform of the Mexican hat, 1 at its
+/// peak √2.
 fn hat_gain(x: f64) -> f64 {
     0.5 * E * x * x * (-0.5 * x * x).exp()
 }
@@ -114,7 +116,8 @@ impl Air {
         }
     }
 
-    /// Times at which the mean wind changes its course \[s\], rising, and the wind there \[m/s\]: between them it is linear.
+    /// Times at which the mean wind changes its course \[s\], rising, and the wind there \[m/s\]: between them it is
+    /// linear.
     #[must_use]
     pub fn wind_table(&self) -> Vec<(f64, [f64; 3])> {
         let mut times: Vec<f64> = self.gust.iter().map(|gust| gust.time).chain([0.0, self.ramp]).collect();
@@ -132,7 +135,8 @@ impl Air {
         gusts.fold(before, f64::max)
     }
 
-    /// Largest speed of the mean wind past a thing that moves so \[m/s\]: of any wind of the scene, and any part of the motion.
+    /// Largest speed of the mean wind past a thing that moves so \[m/s\]: of any wind of the scene, and any part of the
+    /// motion.
     pub(crate) fn fastest_past(&self, motion: &Motion) -> f64 {
         let winds = || self.wind_table().into_iter().map(|(_, wind)| DVec3::from_array(wind));
         let moves = motion.keyframes.windows(2).map(|pair| {

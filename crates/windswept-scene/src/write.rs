@@ -18,8 +18,8 @@ impl Scene {
         writer.values + &writer.tables
     }
 
-    /// The scene as text, as it stands: the text that it was read from, or every key resolved where the scene was changed
-    /// since.
+    /// The scene as text, as it stands: the text that it was read from, or every key resolved where the scene was
+    /// changed since.
     #[must_use]
     pub fn text_now(&self) -> String {
         if Self::parse(self.text()).as_ref() == Ok(self) { self.text().to_owned() } else { self.to_toml() }

@@ -100,7 +100,8 @@ fn a_skin_lies_on_the_surface() {
     }
 }
 
-/// The surface encloses the shape's volume, by the divergence theorem, with its triangles' fronts outward; that of a mesh is the mesh's.
+/// The surface encloses the shape's volume, by the divergence theorem, with its triangles' fronts outward; that of a
+/// mesh is the mesh's.
 #[test]
 fn a_surface_encloses_its_volume() {
     let enclosed = |surface: &Triangles| {

@@ -339,8 +339,8 @@ fn a_scene_without_hair_parses_and_one_with_nothing_cannot_start() {
     assert_eq!(error.key(), Some("hair"), "{error}");
 }
 
-/// A side of exactly three kernel radii is taken wherever the box stands, though max - min is rounded; so is the smallest
-/// kernel.
+/// A side of exactly three kernel radii is taken wherever the box stands, though max - min is rounded; so is the
+/// smallest kernel.
 #[test]
 fn a_box_of_three_kernel_radii_will_do() {
     let sides = [("min", 0.0), ("min", 1.1), ("min", -7.3), ("min", 100.0)].map(|(_, min)| (min, min + 3.0 * 9.3e-3));
@@ -353,7 +353,8 @@ fn a_box_of_three_kernel_radii_will_do() {
     set(SMALL, &["air.kernel_radius=5.0e-4", "air.particle_mass=2.7e-11"]).unwrap();
 }
 
-/// More tables than there may be are refused by their number, before any of them is looked at: the fault in each is not found.
+/// More tables than there may be are refused by their number, before any of them is looked at: the fault in each is not
+/// found.
 #[test]
 fn tables_are_counted_before_they_are_looked_at() {
     for (table, words) in [
@@ -417,8 +418,8 @@ fn control_characters_are_spelled() {
     assert!(shown.starts_with("none\\u{1b}[31m.toml: cannot be read"), "{shown}");
 }
 
-/// A pipe that has a name may never begin: it is refused, as it is where a groom or a mesh should be. A device is no file either. A pipe
-/// that the process was given is read, as `windswept check /dev/stdin` is.
+/// A pipe that has a name may never begin: it is refused, as it is where a groom or a mesh should be. A device is no
+/// file either. A pipe that the process was given is read, as `windswept check /dev/stdin` is.
 #[cfg(unix)]
 #[test]
 fn what_is_no_file_is_refused() {

@@ -60,7 +60,8 @@ fn uncommented() -> String {
     lines.collect::<Vec<_>>().join("\n")
 }
 
-/// The example names the common keys, and no others than there are; what stands as a comment stands there with its default.
+/// The example names the common keys, and no others than there are; what stands as a comment stands there with its
+/// default.
 #[test]
 fn quick_names_keys_with_their_defaults() {
     assert_eq!(Scene::parse_named("quick.toml", QUICK).unwrap().text(), QUICK);
@@ -185,8 +186,8 @@ fn method_sets_eight_defaults_and_a_spelled_key_wins() {
     assert_eq!(accurate, published);
 }
 
-/// `turbulence.scale` and `turbulence.intensity` are a band of the default strength, and the same eddies enter with the wind unless the scene
-/// or the method says otherwise; bands of their own and a spelled inflow stay as they are.
+/// `turbulence.scale` and `turbulence.intensity` are a band of the default strength, and the same eddies enter with the
+/// wind unless the scene or the method says otherwise; bands of their own and a spelled inflow stay as they are.
 #[test]
 fn scale_and_intensity_are_a_band_and_an_inflow() {
     let dials = |sets: &[&str]| scene(LEAST, &[&["turbulence={ scale = 0.012, intensity = 0.8 }"], sets].concat());

@@ -125,8 +125,8 @@ fn strands_come_back_as_they_were() {
     assert!(fit.ids.is_sorted() && fit.ids.iter().all(|id| id % 2 == 0) && fit.unit == Some(1.0));
 }
 
-/// Bytes of the files, changed at random: cut, with some set to others, with some taken out or put in. Files of each format
-/// are an error that says something, or curves that hold together, and never a panic.
+/// Bytes of the files, changed at random: cut, with some set to others, with some taken out or put in. Files of each
+/// format are an error that says something, or curves that hold together, and never a panic.
 #[test]
 fn broken_files_are_errors_or_sane() {
     let folder = Folder::new();
@@ -244,8 +244,8 @@ fn counts_beyond_the_file_are_errors() {
     assert!(error.message().contains("cannot be read"), "{error}");
 }
 
-/// A second element of vertices, strands or faces is refused where it is said, in a groom and in a mesh: points of the first one that have a
-/// thickness or a normal of their own would make lists of different lengths.
+/// A second element of vertices, strands or faces is refused where it is said, in a groom and in a mesh: points of the
+/// first one that have a thickness or a normal of their own would make lists of different lengths.
 #[test]
 fn elements_of_ply_files_are_there_once() {
     let vertex = "element vertex 1\nproperty float x\nproperty float y\nproperty float z\n";
@@ -281,7 +281,8 @@ fn equal_strands_need_their_number_of_points() {
     assert_eq!(curves.strand(1), [[5.0, 0.0, 0.0], [5.0, 1.0, 0.0]]);
 }
 
-/// A fault of a file that an assignment names is the assignment's, and so is that of a key that the file then needs; else it is the line's.
+/// A fault of a file that an assignment names is the assignment's, and so is that of a key that the file then needs;
+/// else it is the line's.
 #[test]
 fn the_file_of_an_assignment_is_its_fault() {
     let folder = Folder::new();
@@ -497,8 +498,8 @@ fn a_scene_takes_its_strands_from_a_file() {
     assert!((root - glam::DVec3::new(0.0, 1.01, 0.0)).length() < 1e-12, "{root}");
 }
 
-/// A path that starts elsewhere than in the scene's folder is refused with its line and key, also in an assignment; one that leads out of
-/// the folder is not. A scene's text for another folder has paths that start there.
+/// A path that starts elsewhere than in the scene's folder is refused with its line and key, also in an assignment; one
+/// that leads out of the folder is not. A scene's text for another folder has paths that start there.
 #[test]
 fn paths_start_from_the_scenes_folder() {
     let folder = Folder::new();
@@ -678,7 +679,8 @@ fn a_strand_that_would_fall_over_is_told() {
     }
 }
 
-/// A compressed array is refused by what its head says, before any of its numbers is unpacked: a few bytes can stand for gigabytes.
+/// A compressed array is refused by what its head says, before any of its numbers is unpacked: a few bytes can stand
+/// for gigabytes.
 #[test]
 fn compressed_arrays_are_not_unpacked_without_end() {
     let npz = GroomFormat::ALL.iter().find(|format| format.extension == "npz").unwrap();

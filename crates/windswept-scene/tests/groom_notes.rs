@@ -6,7 +6,8 @@ mod common;
 use common::Folder;
 use windswept_scene::{Curves, GroomFile, GroomFormat};
 
-/// What a format has no room for is said by the names that a `.npz` file has for it; what follows from the points is not.
+/// What a format has no room for is said by the names that a `.npz` file has for it; what follows from the points is
+/// not.
 #[test]
 fn what_a_format_cannot_hold_is_said() {
     let folder = Folder::new();
@@ -45,7 +46,8 @@ fn what_a_format_cannot_hold_is_said() {
     }
 }
 
-/// Strands that a file does not mark as guides, where it marks some, are counted, and so are those with the id of another.
+/// Strands that a file does not mark as guides, where it marks some, are counted, and so are those with the id of
+/// another.
 #[test]
 fn guides_and_doubled_ids_are_said() {
     let folder = Folder::new();

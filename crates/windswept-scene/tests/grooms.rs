@@ -1,4 +1,5 @@
-//! Strands of the caller's own: the same state from the same strands, frames along curved shapes, ellipses, ends, faults.
+//! Strands of the caller's own: the same state from the same strands, frames along curved shapes, ellipses, ends,
+//! faults.
 #![allow(clippy::unwrap_used)]
 
 mod common;
@@ -79,7 +80,8 @@ fn a_scenes_own_strands_give_the_same_state() {
             ..groom_of(&expected.hair)
         };
         let state = InitialState::with_groom(&scene, &groom).unwrap();
-        // Measured 4.2e-13, in the rest rotations of straight strands: directions are differences of positions. Margin 5.
+        // Measured 4.2e-13, in the rest rotations of straight strands: directions are differences of positions. Margin
+        // 5.
         assert_same(&state.hair, &expected.hair, 2e-12, &format!("{sets:?}"));
         assert_eq!((state.air.positions, state.origin), (expected.air.positions, expected.origin));
     }

@@ -241,7 +241,8 @@ fn a_user_is_warned() {
     assert!(warnings.len() == 1 && warnings[0].contains("turbulence scale 0.0049 m is below"), "{warnings:?}");
 }
 
-/// A warning gives the spacing that air has in the box, which holds whole rows of it, and not that of the scene's parcels.
+/// A warning gives the spacing that air has in the box, which holds whole rows of it, and not that of the scene's
+/// parcels.
 #[test]
 fn a_warning_has_the_spacing_of_the_box() {
     let (scene, state) = brush(&["turbulence={bands=[{scale=0.003,strength=3,intensity=0.3}]}"]);
@@ -270,8 +271,8 @@ fn states_that_cannot_be_computed_are_refused() {
     assert_eq!(error.key(), Some("air.box"), "{error}");
 }
 
-/// `air.margin` cuts the box to where hair may get: its length from its roots, wherever they move, and upwind the fringe more. It
-/// never makes the box larger, and leaves all of it to strands that may fly off.
+/// `air.margin` cuts the box to where hair may get: its length from its roots, wherever they move, and upwind the
+/// fringe more. It never makes the box larger, and leaves all of it to strands that may fly off.
 #[test]
 fn a_margin_cuts_the_box_to_the_hairs_reach() {
     let large = ["air.box={min=[-0.2,-0.2,-0.1],max=[0.4,0.3,0.2]}", "hair.roots.radius=1e-9", "hair.length=0.03"];

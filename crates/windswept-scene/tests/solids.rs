@@ -25,7 +25,8 @@ fn ball_file(folder: &Folder) {
     folder.write("ball.obj", &obj(&ball.surface(64, 128)));
 }
 
-/// A mesh is what its file encloses, where its keyframes put it, turned about the origin of its file; it can be written and read again.
+/// A mesh is what its file encloses, where its keyframes put it, turned about the origin of its file; it can be written
+/// and read again.
 #[test]
 fn a_mesh_is_what_its_file_encloses() {
     let folder = Folder::new();
@@ -170,7 +171,8 @@ fn faults_name_key_and_file() {
     assert!(error.message().contains("expected no file with shape \"sphere\""), "{error}");
 }
 
-/// A mesh that is smaller than a millimetre has a warning with its size and its scale, as one that is too large has an error.
+/// A mesh that is smaller than a millimetre has a warning with its size and its scale, as one that is too large has an
+/// error.
 #[test]
 fn meshes_of_another_unit_are_warned_of() {
     let folder = Folder::new();
@@ -184,8 +186,8 @@ fn meshes_of_another_unit_are_warned_of() {
     assert!(warnings(1e-3).iter().all(|warning| !warning.contains("with a scale")), "{:?}", warnings(1e-3));
 }
 
-/// A grid whose distances are far off the mesh's own triangles has a warning, with how far: h²/(4 R) on a ball. Detail inside a solid, which
-/// nothing meets, does not count.
+/// A grid whose distances are far off the mesh's own triangles has a warning, with how far: h²/(4 R) on a ball. Detail
+/// inside a solid, which nothing meets, does not count.
 #[test]
 fn grids_that_are_too_coarse_are_warned_of() {
     let folder = Folder::new();
@@ -240,8 +242,8 @@ fn meshes_with_parts_missing_are_warned_of() {
     assert!(with_hole.iter().all(|warning| !warning.contains("holes")), "{with_hole:?}");
 }
 
-/// Boxes of 0.2 x 0.1 x 0.2 m whose sides and top are groups, with two materials; the top of the second has a normal that is not its own, and
-/// places in a texture.
+/// Boxes of 0.2 x 0.1 x 0.2 m whose sides and top are groups, with two materials; the top of the second has a normal
+/// that is not its own, and places in a texture.
 fn box_file(folder: &Folder) {
     let mut text = String::new();
     for (x, y, z) in [
@@ -262,8 +264,9 @@ fn box_file(folder: &Folder) {
     folder.write("textured.obj", text.as_bytes());
 }
 
-/// Roots are on the triangles that were asked for, evenly and apart from one another, with the file's normals and places in its texture;
-/// without normals in the file strands start along those of the surface. The same seed draws the same roots.
+/// Roots are on the triangles that were asked for, evenly and apart from one another, with the file's normals and
+/// places in its texture; without normals in the file strands start along those of the surface. The same seed draws the
+/// same roots.
 #[test]
 fn roots_are_scattered_on_a_mesh() {
     let folder = Folder::new();
@@ -312,7 +315,8 @@ fn roots_are_scattered_on_a_mesh() {
     assert!((on_top / 200.0 - 0.25).abs() < 0.06, "{on_top}");
 }
 
-/// Roots move as their body does, unless their hair has keyframes of its own; those turn them about the origin of the file.
+/// Roots move as their body does, unless their hair has keyframes of its own; those turn them about the origin of the
+/// file.
 #[test]
 fn roots_go_with_their_body() {
     let folder = Folder::new();
@@ -382,7 +386,8 @@ fn air_leaves_a_mesh_out() {
     assert!(meshed.air.positions.iter().all(|x| scene.bodies[0].shape.signed_distance(*x).0 >= 0.0));
 }
 
-/// Meshes have their grids in one buffer: what fits by itself may not fit beside another, which is said when the scene is read.
+/// Meshes have their grids in one buffer: what fits by itself may not fit beside another, which is said when the scene
+/// is read.
 #[test]
 #[ignore = "long: two grids of 17 million nodes"]
 fn meshes_that_are_too_large_together_are_refused() {

@@ -144,7 +144,8 @@ fn masses_and_compliances_are_those_of_a_fibre() {
     assert_close(state.hair.inverse_inertia[0], 2.0 / (1.46e-7 * l * l), "inertia with point_mass");
 }
 
-/// In one fluid with air, hair moves with at least a tenth of the mass of the air whose room it takes, and weighs what it weighed.
+/// In one fluid with air, hair moves with at least a tenth of the mass of the air whose room it takes, and weighs what
+/// it weighed.
 #[test]
 fn light_hair_has_the_added_mass_of_air() {
     let light = "hair.density=2";
@@ -301,8 +302,9 @@ fn roots_stay_on_their_disc() {
     }
 }
 
-/// A strand is left alone while what pushes it would bend it by less than 5e-5 of its length: a hanging chain of 0.3 m is held by its
-/// weight (ω² = 1.446 g/L), a beam of 20 mm by its stiffness (12.36 EI/(m L³)), and a uniform push has 1.57 of the first mode.
+/// A strand is left alone while what pushes it would bend it by less than 5e-5 of its length: a hanging chain of 0.3 m
+/// is held by its weight (ω² = 1.446 g/L), a beam of 20 mm by its stiffness (12.36 EI/(m L³)), and a uniform push has
+/// 1.57 of the first mode.
 #[test]
 fn what_may_push_a_strand_at_rest_follows_from_its_slowest_swing() {
     let rest = |sets: &[&str]| {

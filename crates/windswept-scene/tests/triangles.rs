@@ -44,8 +44,8 @@ fn near(shape: &Shape, reach: f64, count: usize) -> Vec<DVec3> {
     std::iter::repeat_with(&mut point).filter(|x| shape.signed_distance(*x).0.abs() < reach).take(count).collect()
 }
 
-/// A ball as large as a skull: no node near the surface is farther off than the triangles' chords are, between nodes the error is
-/// h²/(4 R), and the normals are those of the ball.
+/// A ball as large as a skull: no node near the surface is farther off than the triangles' chords are, between nodes
+/// the error is h²/(4 R), and the normals are those of the ball.
 #[test]
 fn a_ball_of_triangles_is_a_ball() {
     let shape = Shape::Sphere { center: [0.1, 0.2, 0.3], radius: 0.09 };
@@ -89,8 +89,9 @@ fn a_capsule_of_triangles_is_a_capsule() {
     assert!(worst < 1.1 * h * h / (4.0 * radius) + chord, "{worst:e}");
 }
 
-/// Flat holes, among them one that touches two edges of the box and a whole face, are covered: the distance is the whole box's,
-/// inside and outside, to the rounding of f32. Points that no triangle has are left out. A triangle that is turned around is as if it were not.
+/// Flat holes, among them one that touches two edges of the box and a whole face, are covered: the distance is the
+/// whole box's, inside and outside, to the rounding of f32. Points that no triangle has are left out. A triangle that
+/// is turned around is as if it were not.
 #[test]
 fn a_box_with_holes_is_a_box() {
     let half = DVec3::new(0.04, 0.03, 0.05);
@@ -128,7 +129,8 @@ fn a_box_with_holes_is_a_box() {
     assert!((distance - 0.0037).abs() < 1e-8 && normal.distance(DVec3::X) < 1e-6, "{distance} {normal}");
 }
 
-/// A ball in a ball that is turned inside out is a hollow ball; two balls beside each other are both solid, also if one is turned.
+/// A ball in a ball that is turned inside out is a hollow ball; two balls beside each other are both solid, also if one
+/// is turned.
 #[test]
 fn pieces_are_solid_unless_they_are_hollows() {
     let ball = |x: f64, radius: f64, turned: bool| {
@@ -151,8 +153,8 @@ fn pieces_are_solid_unless_they_are_hollows() {
     assert!(at(&two, 0.0) < -0.02 && at(&two, 0.1) < -0.02 && at(&two, 0.05) > 0.015);
 }
 
-/// The distance goes on at the sides of the grid, and beyond it is too large by no more than nodes are off, so that a search along a
-/// way steps through nothing; the normal is the direction in which it grows.
+/// The distance goes on at the sides of the grid, and beyond it is too large by no more than nodes are off, so that a
+/// search along a way steps through nothing; the normal is the direction in which it grows.
 #[test]
 fn distances_go_on_beyond_the_grid() {
     let shape = Shape::Sphere { center: [0.0; 3], radius: 0.03 };
@@ -179,8 +181,9 @@ fn distances_go_on_beyond_the_grid() {
     }
 }
 
-/// Triangles with the same corners, either way round, cost no more than one, and count as they did: a box stays that box where a triangle
-/// is there ten thousand times, which as many covers take back, and where as many more are turned around.
+/// Triangles with the same corners, either way round, cost no more than one, and count as they did: a box stays that
+/// box where a triangle is there ten thousand times, which as many covers take back, and where as many more are turned
+/// around.
 #[test]
 fn doubles_cost_nothing_and_change_nothing() {
     let sound = box_of(DVec3::new(0.03, 0.02, 0.01), 2, |_, _, _| false);
@@ -221,8 +224,8 @@ fn triangles_across_one_another_are_refused() {
     }
 }
 
-/// Where the system starts no more threads, the one that is there makes the same grid. This program starts again with stacks that no address
-/// space holds.
+/// Where the system starts no more threads, the one that is there makes the same grid. This program starts again with
+/// stacks that no address space holds.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_grid_needs_no_other_thread() {
@@ -281,8 +284,8 @@ fn ply(mesh: &Triangles, binary: bool) -> Vec<u8> {
     bytes
 }
 
-/// A node that turns and moves its child, which has the mesh, with its points for normals and two numbers in three of theirs for places in a
-/// texture.
+/// A node that turns and moves its child, which has the mesh, with its points for normals and two numbers in three of
+/// theirs for places in a texture.
 fn glb(mesh: &Triangles, turn: DQuat, shift: DVec3) -> Vec<u8> {
     let points: Vec<u8> = mesh.points.iter().flat_map(|x| x.as_vec3().to_array()).flat_map(f32::to_le_bytes).collect();
     let indices: Vec<u8> = mesh.corners.as_flattened().iter().flat_map(|i| i.to_le_bytes()).collect();
@@ -321,8 +324,8 @@ fn glb_of(json: &str, numbers: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// What is read of a GLB file of `nodes` nodes that share one mesh of these `primitives`. Its accessors are three corners of a triangle (0),
-/// no points (1), one point (2), and indices of a point that is not there (3).
+/// What is read of a GLB file of `nodes` nodes that share one mesh of these `primitives`. Its accessors are three
+/// corners of a triangle (0), no points (1), one point (2), and indices of a point that is not there (3).
 fn primitives(nodes: usize, primitives: &[&str]) -> Result<Triangles, SceneError> {
     let view = r#""bufferView":0,"componentType":5126,"type":"VEC3","count""#;
     let json = format!(
@@ -372,7 +375,8 @@ fn files_have_the_same_triangles() {
     }
 }
 
-/// A Wavefront file that ends within a line before all its points have faces was cut off; one that ends so with all of them is whole.
+/// A Wavefront file that ends within a line before all its points have faces was cut off; one that ends so with all of
+/// them is whole.
 #[test]
 fn a_wavefront_file_that_is_cut_off_is_refused() {
     let folder = Folder::new();
@@ -414,7 +418,8 @@ fn too_many_faces_are_refused_at_their_line() {
     assert!(said.ends_with("many.obj: line 5: expected at most 4194304 triangles in the file"), "{said}");
 }
 
-/// Comments of any encoding are no fault, and neither are names, which come with a mark for what is no UTF-8; numbers must be.
+/// Comments of any encoding are no fault, and neither are names, which come with a mark for what is no UTF-8; numbers
+/// must be.
 #[test]
 fn text_need_not_be_of_utf8() {
     let folder = Folder::new();
@@ -440,7 +445,8 @@ fn text_need_not_be_of_utf8() {
     assert!(said.contains("expected a number of vertex, found \"\u{fffd}\""), "{said}");
 }
 
-/// Names of groups, objects and materials lead to their triangles; normals and places in a texture go with their corners.
+/// Names of groups, objects and materials lead to their triangles; normals and places in a texture go with their
+/// corners.
 #[test]
 fn names_normals_and_textures_are_kept() {
     let folder = Folder::new();
@@ -473,8 +479,8 @@ fn names_normals_and_textures_are_kept() {
     assert!(mirrored.normals[0][1].distance(found.normals[0][2].zyx()) < 1e-12);
 }
 
-/// A `.ply` file may have normals and places in a texture at its points, by any name that writers give these; without all of a normal's
-/// numbers there is none. An `.obj` file of the same triangles has the same.
+/// A `.ply` file may have normals and places in a texture at its points, by any name that writers give these; without
+/// all of a normal's numbers there is none. An `.obj` file of the same triangles has the same.
 #[test]
 fn points_of_ply_files_have_normals_and_textures() {
     let folder = Folder::new();
@@ -510,8 +516,8 @@ fn bytes_behind_a_glb_file_are_refused() {
     assert!(error.contains(&format!("a.glb: at byte 8: expected a file of {all} bytes, found {}", all + 3)), "{error}");
 }
 
-/// Nodes share their mesh's name, primitives without triangles leave nothing behind, and more primitives than there may be are refused,
-/// whatever they have: a short file can have any number of each, and nodes times primitives of both.
+/// Nodes share their mesh's name, primitives without triangles leave nothing behind, and more primitives than there may
+/// be are refused, whatever they have: a short file can have any number of each, and nodes times primitives of both.
 #[test]
 fn primitives_of_glb_files_are_bounded() {
     let [whole, empty, point] = [0, 1, 2].map(|i| format!(r#"{{"attributes":{{"POSITION":{i}}}}}"#));
@@ -638,7 +644,8 @@ fn altered_files_do_not_panic() {
     }
 }
 
-/// A file that is too long for its kind is refused by its length, and a polygon file by its first megabyte: neither is read to its end.
+/// A file that is too long for its kind is refused by its length, and a polygon file by its first megabyte: neither is
+/// read to its end.
 #[test]
 fn a_file_that_is_too_long_is_not_read() {
     let folder = Folder::new();

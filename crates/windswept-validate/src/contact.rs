@@ -102,8 +102,8 @@ fn slope_of_mesh(gpu: &Gpu, slope: f64) -> Result<Vec<Row>, Error> {
     ])
 }
 
-/// How far Coulomb's law says that a loose strand slides along the upper side of a body, how far it did, and how far it is off that
-/// side \[m\].
+/// How far Coulomb's law says that a loose strand slides along the upper side of a body, how far it did, and how far it
+/// is off that side \[m\].
 fn slide(gpu: &Gpu, slope: f64, shape: Shape) -> Result<(f64, f64, f64), Error> {
     let (steps, angle) = (200, slope.atan());
     let text = format!(
@@ -134,8 +134,8 @@ fn slide(gpu: &Gpu, slope: f64, shape: Shape) -> Result<(f64, f64, f64), Error> 
     Ok((expected, slid, off))
 }
 
-/// Rows of how far a loose strand of three segments of 30 mm slides that lies on two bars of 10 mm with the middles of the outer two, in a
-/// field of gravity of this slope, and of how deep a segment is in a bar then.
+/// Rows of how far a loose strand of three segments of 30 mm slides that lies on two bars of 10 mm with the middles of
+/// the outer two, in a field of gravity of this slope, and of how deep a segment is in a bar then.
 fn between(gpu: &Gpu, slope: f64) -> Result<Vec<Row>, Error> {
     let (steps, angle, radius) = (70, slope.atan(), 0.005);
     let bar = |x: f64| {
@@ -302,7 +302,8 @@ radius = 0.04
 center = [0, 0, 0]
 ";
 
-/// Rows of how fast strands still are that are rooted below the surface of a ball and combed along it, on the ball and on triangles.
+/// Rows of how fast strands still are that are rooted below the surface of a ball and combed along it, on the ball and
+/// on triangles.
 fn combed(gpu: &Gpu) -> Result<[Row; 2], Error> {
     let scene = Scene::parse(COMBED)?;
     let mut meshed = scene.clone();

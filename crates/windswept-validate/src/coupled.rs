@@ -45,8 +45,8 @@ pub(crate) fn drag(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     Ok(rows)
 }
 
-/// Hair among air without weight, awake, in a periodic box; without wind, so that there is no fringe. `keys` are a scene
-/// file's, `hair` those of its group.
+/// Hair among air without weight, awake, in a periodic box; without wind, so that there is no fringe. `keys` are a
+/// scene file's, `hair` those of its group.
 pub(crate) fn windless(keys: &str, size: [f64; 3], hair: &str) -> Result<Scene, Error> {
     Ok(Scene::parse(&format!(
         "gravity = [0, 0, 0]\ninteraction.model = \"particles\"\ntime = {{ step = {STEP}, duration = 1.0 }}\n\
@@ -100,8 +100,8 @@ fn loose(gpu: &Gpu, solver: FluidSolver, drag: f64, balance: f64) -> Result<Vec<
     ])
 }
 
-/// Velocities that air will have \[m/s\]: half of what pressure changed one by in the last step is still to come, since BDF2 hands
-/// on a third of it, then a ninth, and so on.
+/// Velocities that air will have \[m/s\]: half of what pressure changed one by in the last step is still to come, since
+/// BDF2 hands on a third of it, then a ninth, and so on.
 pub(crate) fn lasting(simulation: &Simulation) -> Result<Vec<DVec3>, Error> {
     let air = vectors(&simulation.frame()?.air.velocities);
     let engine = simulation.engine();
@@ -180,8 +180,8 @@ fn density_on_roots(s: &State, p: &Parameters) -> DVec3 {
     sum
 }
 
-/// Momentum that held roots had from the rods in the last step \[kg m/s\], by Euler: against it the rods moved all other points,
-/// −dt Σ (x − free)/W.
+/// Momentum that held roots had from the rods in the last step \[kg m/s\], by Euler: against it the rods moved all
+/// other points, −dt Σ (x − free)/W.
 fn rods_on_roots(simulation: &Simulation, step: f64) -> Result<DVec3, Error> {
     let engine = simulation.engine();
     let points = engine.read(&engine.state().rod_points)?;

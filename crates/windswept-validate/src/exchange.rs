@@ -1,5 +1,5 @@
-//! What hair and air exchange in the model `two-way`: the force on a strand that stands still beside the law, with the air
-//! slowed as by a porous strip; a porous strip across a channel; a bundle of strands; momentum and energy.
+//! What hair and air exchange in the model `two-way`: the force on a strand that stands still beside the law, with the
+//! air slowed as by a porous strip; a porous strip across a channel; a bundle of strands; momentum and energy.
 
 use glam::DVec3;
 use windswept::{Gpu, Simulation, internals::step};
@@ -96,7 +96,8 @@ impl Fence {
         Self { cells, finer, ..coarse }
     }
 
-    /// A strip 8 spacings wide in a channel of 36, so many spacings from its start, whose drag on an area is k times ½ρu².
+    /// A strip 8 spacings wide in a channel of 36, so many spacings from its start, whose drag on an area is k times
+    /// ½ρu².
     fn strip(k: f64, step: f64, place: f64) -> Self {
         let cells = [60, 36, 6];
         let d = spacing();
@@ -192,8 +193,9 @@ fn law(speed: f64) -> f64 {
     Hair { wind: speed, ..REAL }.drag(0.0)[0]
 }
 
-/// u/U in a porous strip across a channel of which it takes the part `blockage`: k u² is the head that it takes from the air
-/// through it (Taylor 1944, in the channel of Garrett & Cummins 2007). In terms of the speed b past it and w behind it, over U:
+/// u/U in a porous strip across a channel of which it takes the part `blockage`: k u² is the head that it takes from
+/// the air through it (Taylor 1944, in the channel of Garrett & Cummins 2007). In terms of the speed b past it and w
+/// behind it, over U:
 ///
 /// ```text
 /// (b − 1)(b + 2w − 1) = B (b² − w²),  u = w (b + w)/(b + 2w − 1),  k u² = b² − w²
@@ -213,7 +215,8 @@ pub fn through(k: f64, blockage: f64) -> f64 {
     at(low).0
 }
 
-/// u/U at a lone strand of so many fibres that takes the part `blockage` of the channel: a strip whose k is the law's at u.
+/// u/U at a lone strand of so many fibres that takes the part `blockage` of the channel: a strip whose k is the law's
+/// at u.
 fn shielded(fibres: f64, speed: f64, blockage: f64) -> f64 {
     let k = |u: f64| fibres * law(u) / (0.5 * REST_DENSITY * u * u * WIDTH * RADIUS);
     let (mut low, mut high) = (1e-3, 1.0);
@@ -261,12 +264,13 @@ pub(crate) fn fixed_wide(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     Ok(rows)
 }
 
-/// When the bundle is watched, with a wake that still grows and one that has grown: after so long, and for how long \[s\].
+/// When the bundle is watched, with a wake that still grows and one that has grown: after so long, and for how long
+/// \[s\].
 const YOUNG: [f64; 2] = [0.04, 0.08];
 const GROWN: [f64; 2] = [0.15, 0.15];
 
-/// Force on the bundle over that on as many lone strands, and all that it does to the air: means over `watched` seconds, after
-/// `before`.
+/// Force on the bundle over that on as many lone strands, and all that it does to the air: means over `watched`
+/// seconds, after `before`.
 fn sheltered(gpu: &Gpu, fibres: f64, finer: f64, [before, watched]: [f64; 2]) -> Result<(f64, Felt), Error> {
     let fence = Fence::bundle(fibres, finer);
     let felt = fence.felt(gpu, before, watched)?;

@@ -169,7 +169,8 @@ fn pulled(gpu: &Gpu) -> Result<Row, Error> {
     Ok(Row::new("point without air: speed of a strand after a step", expected, measured, 3.3e-7, PULLED).in_unit("m/s"))
 }
 
-/// Rows of a force that is set: it holds hair against gravity, hair and air fall by it, and air does not lose what hair gets.
+/// Rows of a force that is set: it holds hair against gravity, hair and air fall by it, and air does not lose what hair
+/// gets.
 pub(crate) fn set(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     Ok(vec![held(gpu)?, hair_falls(gpu)?, air_falls(gpu)?, given(gpu)?])
 }

@@ -37,7 +37,8 @@ const BUNDLE: usize = 3;
 /// Time for which they slide \[s\].
 const TIME: f64 = 0.15;
 
-/// Rows of a bundle of strands on a bed of held ones in fields of gravity of two slopes, and of the momentum of a crowd.
+/// Rows of a bundle of strands on a bed of held ones in fields of gravity of two slopes, and of the momentum of a
+/// crowd.
 pub(crate) fn rows(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let (steep, flat) = (0.45_f64, 0.25);
     let pull = GRAVITY * steep.atan().cos() * (steep - FRICTION);
@@ -51,7 +52,8 @@ pub(crate) fn rows(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     ])
 }
 
-/// Still air above the hair, farther than the kernel radius. Coordinates begin at the box: f32 resolves less far away from it.
+/// Still air above the hair, farther than the kernel radius. Coordinates begin at the box: f32 resolves less far away
+/// from it.
 const ABOVE: &str = "air = { box = { min = [0, 0.04, 0], max = [0.04, 0.08, 0.04] }, wind = [0, 0, 0], ramp = 0.0 }\n";
 
 /// Hair below the air, along +x.
@@ -103,8 +105,8 @@ fn slide(gpu: &Gpu, slope: f64, speed: f64) -> Result<Vec<(f64, f64)>, Error> {
     (0..(TIME / STEP) as usize).map(|_| course()).collect()
 }
 
-/// Acceleration \[m/s²\] over three spacings of points, from the first on: there the bed is as it was. Not a number where the
-/// strand does not come so far.
+/// Acceleration \[m/s²\] over three spacings of points, from the first on: there the bed is as it was. Not a number
+/// where the strand does not come so far.
 fn gain(course: &[(f64, f64)]) -> f64 {
     let first = course.first().map_or(f64::NAN, |(way, _)| *way);
     let speed = |way: f64| {
@@ -127,8 +129,8 @@ pub(crate) fn mat_for_long(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     lies(gpu, 4, [2.0, 10.0])
 }
 
-/// Rows of hairs that are clamped at their roots and lie on a bed of held ones: how far they creep in a time \[s\] that begins
-/// after another one, and how many of them sleep then.
+/// Rows of hairs that are clamped at their roots and lie on a bed of held ones: how far they creep in a time \[s\] that
+/// begins after another one, and how many of them sleep then.
 fn lies(gpu: &Gpu, strands: usize, [before, watched]: [f64; 2]) -> Result<Vec<Row>, Error> {
     let hair = format!("radius = 4e-5\nfriction = {FRICTION}\npoints = {POINTS}\nlength = {LENGTH}\n");
     let group = |name: &str, strands: usize, root: &str| {

@@ -1,5 +1,6 @@
-//! A real hair in a steady wind, beside the curve in which it must stand: in the model `drag` at steps from 0.35 to 16 ms, and
-//! in `two-way`, whose air it slows. Then the two limits of it: a hair without weight in thin air, and one without stiffness.
+//! A real hair in a steady wind, beside the curve in which it must stand: in the model `drag` at steps from 0.35 to 16
+//! ms, and in `two-way`, whose air it slows. Then the two limits of it: a hair without weight in thin air, and one
+//! without stiffness.
 
 use std::f64::consts::PI;
 
@@ -92,8 +93,8 @@ impl Blown<'_> {
         Ok(simulation)
     }
 
-    /// The hair in the model `two-way`, in a box of so many spacings of air: at rest in the shape that it has in `drag` at a
-    /// time after the wind has set in \[s\].
+    /// The hair in the model `two-way`, in a box of so many spacings of air: at rest in the shape that it has in `drag`
+    /// at a time after the wind has set in \[s\].
     fn in_air(&self, gpu: &Gpu, cells: [usize; 3], settled: f64) -> Result<Simulation, Error> {
         let settled = Self::drag(self.hair, 1.38e-3).after(gpu, settled)?.frame()?.hair;
         let cloud = Cloud::lattice(cells, SIMPLE).jittered(0.05, 7).moving(|_| DVec3::X * self.hair.wind);

@@ -66,10 +66,10 @@ fn streamed(gpu: &Gpu, height: f64, density: f64, (speed, step, steps): (f64, f6
     Ok(Row::new(name, 0.0, change.length() / exchanged, 1e-5, CUT))
 }
 
-/// Change of the momentum of hair, of which no point is held, and air in so many steps of the model `two-way` \[kg m/s\], less what
-/// the mean wind gives where air is thin; and the sum of the impulses |J| that they exchange \[N s\]. The steps have no substeps, since
-/// the impulses that can be read are those of the last one. BDF2's momentum of a point is
-/// m (3 v_n − v_(n−1))/2, Euler's m v_n.
+/// Change of the momentum of hair, of which no point is held, and air in so many steps of the model `two-way` \[kg
+/// m/s\], less what the mean wind gives where air is thin; and the sum of the impulses |J| that they exchange \[N s\].
+/// The steps have no substeps, since the impulses that can be read are those of the last one. BDF2's momentum of a
+/// point is m (3 v_n − v_(n−1))/2, Euler's m v_n.
 pub(crate) fn exchanged(simulation: &mut Simulation, steps: u64) -> Result<(DVec3, f64), Error> {
     let substeps = simulation.scene().time.substeps;
     if substeps != 1 {
@@ -110,9 +110,9 @@ pub(crate) fn exchanged(simulation: &mut Simulation, steps: u64) -> Result<(DVec
     Ok((change, exchanged))
 }
 
-/// The same for the model `particles`, whose impulses cannot be read: in place of them there is what the momentum of each point of
-/// hair changes by in each step. Says how many steps it ran. What is exchanged in the step in which hair leaves the box, outside of
-/// which the mean wind drags it, does not count, and ends it.
+/// The same for the model `particles`, whose impulses cannot be read: in place of them there is what the momentum of
+/// each point of hair changes by in each step. Says how many steps it ran. What is exchanged in the step in which hair
+/// leaves the box, outside of which the mean wind drags it, does not count, and ends it.
 pub(crate) fn received(simulation: &mut Simulation, steps: u64) -> Result<(DVec3, f64, u64), Error> {
     let initial = simulation.initial().clone();
     let air = initial.air.mass;

@@ -50,8 +50,8 @@ const FRESH: Vortices = Vortices { across: 24, deep: 8, speed: 0.3, carried: 0.0
 /// The wind \[m/s\].
 const WIND: DVec3 = DVec3::new(3.0, 0.0, 0.0);
 
-/// Air without friction, at so many substeps. The wind of 3 m/s has no fringe to enter through: it says how much particles are
-/// spread, and does nothing else.
+/// Air without friction, at so many substeps. The wind of 3 m/s has no fringe to enter through: it says how much
+/// particles are spread, and does nothing else.
 fn scene(fluid: &Fluid, substeps: u32) -> Result<Scene, Error> {
     let mut scene = air::scene("viscosity = { hair = 0.0, air = 0.0 }")?;
     (scene.fluid, scene.time.substeps) = (fluid.clone(), substeps);
@@ -195,7 +195,8 @@ fn blow(gpu: &Gpu, fluid: &Fluid) -> Result<f64, Error> {
 /// Scales of the bands that are looked at \[m\].
 const SCALES: [f64; 3] = [0.006, 0.009, 0.018];
 
-/// Waves in a stirred box, and the most periods of one to the box: down to five spacings, which particles still resolve.
+/// Waves in a stirred box, and the most periods of one to the box: down to five spacings, which particles still
+/// resolve.
 const WAVES: usize = 40;
 const SHORTEST: f64 = 3.0;
 

@@ -16,8 +16,9 @@ const PASS: &str =
 const RODS: &str = "f64 reference, 12 curled strands, thrown; what rods change velocities by in a step, largest difference over \
     largest value; measured 2.1e-5, mostly what rounding an orientation stretches; margin 4";
 
-/// Reach of the direct filter, in scales: there nothing is left of the band's kernel. Of three million pairs about one is so near to the
-/// reach that rounding decides whether it counts, and at the usual 4.5 it would be seen. The check filter-leak has shorter ones.
+/// Reach of the direct filter, in scales: there nothing is left of the band's kernel. Of three million pairs about one
+/// is so near to the reach that rounding decides whether it counts, and at the usual 4.5 it would be seen. The check
+/// filter-leak has shorter ones.
 const CUTOFF: f64 = 6.5;
 
 /// Rows of single passes on 3375 particles: largest difference over the largest value.

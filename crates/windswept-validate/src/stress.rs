@@ -1,7 +1,8 @@
 //! Stress: settings far beyond those of any scene, and what must hold of hair and air all the same.
 //!
-//! A [`Stress`] sweeps settings and returns a [`Sweep`] per quantity, which has a value and a bound at each setting. The sweep's
-//! [`Row`] is that of its worst setting. `cargo xtask stress` writes the whole table; `tests/stress.rs` asserts a cut of it.
+//! A [`Stress`] sweeps settings and returns a [`Sweep`] per quantity, which has a value and a bound at each setting.
+//! The sweep's [`Row`] is that of its worst setting. `cargo xtask stress` writes the whole table; `tests/stress.rs`
+//! asserts a cut of it.
 
 mod air;
 mod bits;

@@ -1,4 +1,5 @@
-//! Taylor-Green vortices in three dimensions that viscosity slows, beside a solver of the Navier-Stokes equations on a grid.
+//! Taylor-Green vortices in three dimensions that viscosity slows, beside a solver of the Navier-Stokes equations on a
+//! grid.
 
 use std::f64::consts::TAU;
 

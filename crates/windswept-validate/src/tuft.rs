@@ -1,8 +1,9 @@
-//! A tuft of points that stand still in air's own sums, the model `particles` with solver `divergence`: its drag and the eddies
-//! behind it must have a limit as the step falls, and nothing may fly off in a storm.
+//! A tuft of points that stand still in air's own sums, the model `particles` with solver `divergence`: its drag and
+//! the eddies behind it must have a limit as the step falls, and nothing may fly off in a storm.
 //!
-//! The eddies that are measured are hardly larger than the spacing. Without a viscosity that takes what the spacing does not
-//! resolve they grow on as the step falls (`docs/decisions/air.md`). A scene with this model has one: `viscosity.smagorinsky`.
+//! The eddies that are measured are hardly larger than the spacing. Without a viscosity that takes what the spacing
+//! does not resolve they grow on as the step falls (`docs/decisions/air.md`). A scene with this model has one:
+//! `viscosity.smagorinsky`.
 
 use glam::DVec3;
 use windswept::{Gpu, Simulation, ops::Filter};

@@ -49,7 +49,8 @@ pub(crate) fn rotation(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     ])
 }
 
-/// Plain sum Σ_j V |W'(r)| r/3 over the simple cubic lattice: (v_j − v_i) × ∇_j W of a rotation, averaged over the axes.
+/// Plain sum Σ_j V |W'(r)| r/3 over the simple cubic lattice: (v_j − v_i) × ∇_j W of a rotation, averaged over the
+/// axes.
 fn lattice_rotation() -> f64 {
     let reach = (RADIUS / spacing()).ceil() as i32;
     let axis = -reach..=reach;

@@ -28,7 +28,8 @@ const OF_STRANDS: &str = "c sum w (1 - cos kz) over the lattice of strands, w = 
 const OF_STRANDS_AS_A_CONTINUUM: &str =
     "nu k² dt, nu = c h²/(22 dt); the lattice of strands is not a continuum; the bound is 10 %";
 
-/// Rows of the factor of one XSPH update on a shear wave, c = 0.014, simple cubic lattice at rest; and of unresolved eddies.
+/// Rows of the factor of one XSPH update on a shear wave, c = 0.014, simple cubic lattice at rest; and of unresolved
+/// eddies.
 pub(crate) fn shear_waves(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let mut rows = Vec::new();
     for wave in tables::shear_waves() {
@@ -65,8 +66,8 @@ const THROUGH_STRANDS: f64 = 0.11;
 /// Coefficient c of their viscosity.
 const OF_HAIR: f64 = 0.7;
 
-/// Rows of a shear wave v_x = V sin(kz) through parallel strands along x, each of which moves along itself: in a step it loses
-/// c Σ w (1 − cos kz) of itself by the lattice, and ν k² Δt with ν = c h²/(22 Δt) as a continuum.
+/// Rows of a shear wave v_x = V sin(kz) through parallel strands along x, each of which moves along itself: in a step
+/// it loses c Σ w (1 − cos kz) of itself by the lattice, and ν k² Δt with ν = c h²/(22 Δt) as a continuum.
 fn through_strands(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let k = TAU / THROUGH_STRANDS;
     let places = || (0..STRANDS[0] * STRANDS[1]).map(|s| (s / STRANDS[1], s % STRANDS[1]));
@@ -144,8 +145,8 @@ const WAVE: f64 = 0.3;
 /// C of their viscosity.
 const SMAGORINSKY: f64 = 0.34;
 
-/// Row of the energy that a step takes from a shear wave v = V sin(ky) of 24 spacings by the viscosity of unresolved eddies:
-/// ∫ν|∇v|² = (C d)² (V k)³ 4/(3π), averaged over the wave.
+/// Row of the energy that a step takes from a shear wave v = V sin(ky) of 24 spacings by the viscosity of unresolved
+/// eddies: ∫ν|∇v|² = (C d)² (V k)³ 4/(3π), averaged over the wave.
 fn eddies(gpu: &Gpu) -> Result<Row, Error> {
     let lattice = Cloud::lattice([6, 24, 6], SIMPLE);
     let k = TAU / lattice.size.y;

@@ -37,9 +37,10 @@ const TURNING: u64 = 45;
 const STRENGTH: f64 = 3.0;
 /// Steps after which the bands are compared, while eddies still grow: the largest energy of the band is 0.045 m²/s².
 ///
-/// Strength and steps are measured, not derived. The table has the energy that the band gains, over that which the smaller and the
-/// larger one gain (in this order), with the least and the largest of three seeds of the jitter. At first the larger band gains most,
-/// since it holds most of the vortex; in the end the smaller one does, as in any turbulence that is fed at a larger size.
+/// Strength and steps are measured, not derived. The table has the energy that the band gains, over that which the
+/// smaller and the larger one gain (in this order), with the least and the largest of three seeds of the jitter. At
+/// first the larger band gains most, since it holds most of the vortex; in the end the smaller one does, as in any
+/// turbulence that is fed at a larger size.
 ///
 /// | Steps | S = 1 | 2 | 3 | 4 |
 /// |---|---|---|---|---|

@@ -171,7 +171,8 @@ impl Tunnel {
         Ok(found)
     }
 
-    /// What air is like beside the body from one time to another, on average and at worst \[s\], with each step's force on the body \[N\].
+    /// What air is like beside the body from one time to another, on average and at worst \[s\], with each step's force
+    /// on the body \[N\].
     fn run(&self, gpu: &Gpu, [from, to]: [f64; 2], every: u64) -> Result<(Beside, Vec<DVec3>), Error> {
         let mut simulation = self.simulation(gpu)?;
         simulation.step((from / STEP).round() as u64)?;
@@ -350,8 +351,8 @@ fn set_off(gpu: &Gpu, substeps: u32, steps: u64, most: f64) -> Result<Row, Error
     Ok(Row::new(name, 0.5 * (1.0 + most), impulse / (added * speed), 0.5 * (most - 1.0), ADDED))
 }
 
-/// Row of a pressure that is the same everywhere: what is left of its push within a kernel radius of a sphere, in layers of a quarter of a
-/// spacing.
+/// Row of a pressure that is the same everywhere: what is left of its push within a kernel radius of a sphere, in
+/// layers of a quarter of a spacing.
 fn balanced(gpu: &Gpu) -> Result<Row, Error> {
     let tunnel = Tunnel { wind: WIND, ..STOOD };
     let mut simulation = tunnel.simulation(gpu)?;
@@ -413,7 +414,8 @@ fn at_rest(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     each.into_iter().collect()
 }
 
-/// Rows of a sphere that moves through still air: the densities beside it from 20 ms on, and the momentum of air and body.
+/// Rows of a sphere that moves through still air: the densities beside it from 20 ms on, and the momentum of air and
+/// body.
 fn moving(gpu: &Gpu, speed: f64, substeps: u32) -> Result<Vec<Row>, Error> {
     let sides = [if speed > 5.0 { 64.0 } else { 40.0 }, 20.0, 20.0];
     let tunnel = Tunnel { sides, center: [8.0 / sides[0], 0.5, 0.5], substeps, motion: Some([0.0, speed]), ..STOOD };

@@ -26,7 +26,8 @@ const OBLIQUE: &str = "dt k/m u over 1 + dt k_n/m, one step at 45 degrees to the
 /// Mean wind \[m/s\].
 const WIND: DVec3 = DVec3::new(2.0, 0.0, 0.0);
 
-/// Rows of what drives a run: all air takes a gust, the fringe draws air to the wind, roots go where their keyframes say.
+/// Rows of what drives a run: all air takes a gust, the fringe draws air to the wind, roots go where their keyframes
+/// say.
 pub(crate) fn drive(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let mut rows = vec![gust(gpu)?, fringe(gpu)?];
     rows.extend(keyframes(gpu)?);
@@ -138,7 +139,8 @@ pub(crate) fn across(u: f64) -> f64 {
 /// Mass of a fibre per length \[kg/m\].
 pub(crate) const FIBRE_MASS: f64 = FIBRE_DENSITY * PI * FIBRE * FIBRE;
 
-/// A loose straight strand at the origin in a wind, drag model, with these keys as well, and how fast it is after so many steps.
+/// A loose straight strand at the origin in a wind, drag model, with these keys as well, and how fast it is after so
+/// many steps.
 pub(crate) fn blown(
     gpu: &Gpu,
     wind: DVec3,

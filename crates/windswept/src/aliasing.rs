@@ -1,8 +1,8 @@
 //! Which arrays lie in the same memory: those of which no recording needs two at a time.
 //!
-//! When an array is needed follows from what was recorded: from the first pass that binds it to the last one, in each recording.
-//! An array that is kept ([`Lifetime::Static`], [`Lifetime::Checkpointed`]) lies alone, and so does one that a recording reads before any of its passes wrote it:
-//! what it holds came from elsewhere.
+//! When an array is needed follows from what was recorded: from the first pass that binds it to the last one, in each
+//! recording. An array that is kept ([`Lifetime::Static`], [`Lifetime::Checkpointed`]) lies alone, and so does one that
+//! a recording reads before any of its passes wrote it: what it holds came from elsewhere.
 //!
 //! Arrays that are read as textures (`textures.rs`) share those in the same way.
 
@@ -52,8 +52,8 @@ impl Aliasing {
         Self { blocks: own.clone(), textures: own }
     }
 
-    /// Arrays together that none of the recordings needs at the same time: the largest first, each in the first block where there is
-    /// room.
+    /// Arrays together that none of the recordings needs at the same time: the largest first, each in the first block
+    /// where there is room.
     #[must_use]
     pub fn of(arrays: &[AnyArray], recordings: &[Recording]) -> Self {
         let mut aliasing = Self::none(arrays);
@@ -83,7 +83,8 @@ impl Aliasing {
         self.blocks[array.slot()]
     }
 
-    /// The texture of an array, for those that passes read as textures: the slot of the largest array that is read through it.
+    /// The texture of an array, for those that passes read as textures: the slot of the largest array that is read
+    /// through it.
     pub(crate) fn texture(&self, array: &AnyArray) -> usize {
         self.textures[array.slot()]
     }
@@ -117,8 +118,8 @@ impl Aliasing {
         arrays.iter().filter(|array| read.contains(&array.slot())).copied().collect()
     }
 
-    /// The first pass of a recording, and the array that it binds, where the array's memory was another's since the array was
-    /// written.
+    /// The first pass of a recording, and the array that it binds, where the array's memory was another's since the
+    /// array was written.
     #[must_use]
     pub fn overwritten(&self, recording: &Recording) -> Option<(&'static str, &'static str)> {
         let mut written = vec![false; self.blocks.len()];

@@ -28,7 +28,8 @@ pub struct Cluster {
     pub other_kind: Vec<Seen>,
 }
 
-/// Number of workgroups in a page, of the first `workgroups` of all clusters: they take turns among the pages of the list.
+/// Number of workgroups in a page, of the first `workgroups` of all clusters: they take turns among the pages of the
+/// list.
 pub(crate) fn workgroups_of_page(workgroups: u32, page: u32, pages: u32) -> u32 {
     workgroups.saturating_sub(page).div_ceil(pages.max(1))
 }

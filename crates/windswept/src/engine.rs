@@ -1,5 +1,5 @@
-//! State on a device, and any recording of passes run over it. [`crate::Simulation`] is an engine that runs whole steps;
-//! tests and single-pass work use it directly.
+//! State on a device, and any recording of passes run over it. [`crate::Simulation`] is an engine that runs whole
+//! steps; tests and single-pass work use it directly.
 
 mod room;
 
@@ -50,14 +50,14 @@ pub struct Engine {
     sizes: Sizes,
     state: State,
     memory: Memory,
-    /// Whether somebody other than a step has written what `forcing/reset` looks at: places, velocities, clamps, or what points remember; the
-    /// setup does not count.
+    /// Whether somebody other than a step has written what `forcing/reset` looks at: places, velocities, clamps, or
+    /// what points remember; the setup does not count.
     hair_was_written: AtomicBool,
 }
 
 impl Engine {
-    /// Allocates and fills the buffers of an initial state. Every array has memory of its own, so that it can be looked at after
-    /// any pass.
+    /// Allocates and fills the buffers of an initial state. Every array has memory of its own, so that it can be looked
+    /// at after any pass.
     ///
     /// # Errors
     /// Before anything is allocated, [`GpuError::TooLarge`] if a buffer exceeds what the adapter binds, and
@@ -66,7 +66,8 @@ impl Engine {
         Self::with(gpu, setup, |state| Aliasing::none(&state.arrays()))
     }
 
-    /// As [`Self::new`], but arrays that none of these recordings needs at the same time share memory. The engine runs no others.
+    /// As [`Self::new`], but arrays that none of these recordings needs at the same time share memory. The engine runs
+    /// no others.
     ///
     /// # Errors
     /// As [`Self::new`].
@@ -150,8 +151,8 @@ impl Engine {
         self.write(&s.pressed_before, &vec![Pressed::default(); pressed])
     }
 
-    /// Writes air in the box, by stable id: local positions \[m\] and velocities \[m/s\], whichever are given. Pressure starts
-    /// anew.
+    /// Writes air in the box, by stable id: local positions \[m\] and velocities \[m/s\], whichever are given. Pressure
+    /// starts anew.
     pub(crate) fn write_air(
         &self,
         positions: Option<&[DVec3]>,
@@ -335,7 +336,8 @@ impl Engine {
             if matches!(longer, Ok(None)) {
                 return Ok(grown);
             }
-            // No step was taken that would set the wind again, and none is frozen, even where the adapter has no room for the list.
+            // No step was taken that would set the wind again, and none is frozen, even where the adapter has no room
+            // for the list.
             self.set_status(&Status { wind: status.wind, ..status::thawed(&status) })?;
             longer?;
             grown = true;
@@ -462,7 +464,8 @@ impl Engine {
         self.write(&self.state.pushed, &rows)
     }
 
-    /// Replaces the neighbour list by one of so many pages of `capacity` elements each. Programs made before bind the old one.
+    /// Replaces the neighbour list by one of so many pages of `capacity` elements each. Programs made before bind the
+    /// old one.
     ///
     /// # Errors
     /// [`GpuError`] when the adapter has no room.

@@ -153,7 +153,8 @@ pub enum RunError {
         strand: usize,
         /// First of its points that is not finite, from 0 at the root.
         point: usize,
-        /// Pass that found it: `forcing/reset` as the step began, `rods/update` after the rods' solve, `commit/hold` at the end.
+        /// Pass that found it: `forcing/reset` as the step began, `rods/update` after the rods' solve, `commit/hold` at
+        /// the end.
         pass: &'static str,
         /// The step that failed; the state is that before it.
         step: u64,
@@ -165,7 +166,8 @@ pub enum RunError {
         "step {step} needs a neighbour list of up to {needed} elements, the adapter allows {limit}: particles are crowded or too many"
     )]
     TooManyNeighbours {
-        /// Number of elements, of four words, that the step needs at most: of as many pages as there were, all as long as the longest.
+        /// Number of elements, of four words, that the step needs at most: of as many pages as there were, all as long
+        /// as the longest.
         needed: u64,
         /// Number of elements that fit: four times what the adapter binds at once.
         limit: u64,
@@ -224,7 +226,8 @@ pub enum CheckpointError {
         /// What is wrong, and where.
         problem: String,
     },
-    /// The text of the scene does not give the scene: it was made in code and cannot be written, or a file that it names is gone.
+    /// The text of the scene does not give the scene: it was made in code and cannot be written, or a file that it
+    /// names is gone.
     #[error("the scene cannot be saved, as its text does not give it back: {0}")]
     Text(String),
     /// What was saved does not make a simulation, or does not fit the adapter.

@@ -18,7 +18,8 @@ pub struct Frame {
 pub struct HairFrame {
     /// First point of each strand, and the number of points: strands + 1.
     pub offsets: Vec<u32>,
-    /// Number of each strand in the groom file that it comes from; empty if strands come from no file, where a strand's number is its index.
+    /// Number of each strand in the groom file that it comes from; empty if strands come from no file, where a strand's
+    /// number is its index.
     pub ids: Vec<u32>,
     /// Position of each point \[m\].
     pub positions: Vec<[f32; 3]>,

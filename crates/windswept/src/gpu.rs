@@ -25,18 +25,21 @@ use windswept_shaders::{Binding, Bound, BufferKind, PASSES, Pass, Switch, TEXTUR
 
 use crate::error::GpuError;
 
-/// Variant of the shaders that a device runs. All give the same results but for rounding, and the software variant the bits of the one with subgroups.
+/// Variant of the shaders that a device runs. All give the same results but for rounding, and the software variant the
+/// bits of the one with subgroups.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ShaderVariant {
-    /// For GPUs whose subgroups all have at least eight invocations: eight invocations exchange what they read of eight neighbours by
-    /// subgroup operations, and several share the work for a strand, a row of cells, a block of nodes or a point of hair.
+    /// For GPUs whose subgroups all have at least eight invocations: eight invocations exchange what they read of eight
+    /// neighbours by subgroup operations, and several share the work for a strand, a row of cells, a block of nodes or
+    /// a point of hair.
     Subgroups,
-    /// For devices without such subgroups, or without [`wgpu::Features::SUBGROUP`]: eight invocations exchange what they read of eight
-    /// neighbours through the workgroup's memory, which is slower.
+    /// For devices without such subgroups, or without [`wgpu::Features::SUBGROUP`]: eight invocations exchange what
+    /// they read of eight neighbours through the workgroup's memory, which is slower.
     Workgroup,
-    /// For software adapters: eight invocations exchange what they read of eight neighbours by subgroup operations, but share nothing
-    /// else. Arrays from which passes gather lie in textures, and parameters in uniforms, which software adapters read faster.
+    /// For software adapters: eight invocations exchange what they read of eight neighbours by subgroup operations, but
+    /// share nothing else. Arrays from which passes gather lie in textures, and parameters in uniforms, which software
+    /// adapters read faster.
     Software,
 }
 
@@ -64,7 +67,8 @@ type Kept = Arc<Mutex<Option<wgpu::ComputePipeline>>>;
 type Switches<'a> = dyn Fn(Switch) -> bool + Sync + 'a;
 
 /// The features that a device of the caller's own should have, of those that the adapter has. None is needed. Without
-/// [`wgpu::Features::SUBGROUP`] passes run more slowly ([`ShaderVariant::Workgroup`]); without timestamps reports have no time of each pass.
+/// [`wgpu::Features::SUBGROUP`] passes run more slowly ([`ShaderVariant::Workgroup`]); without timestamps reports have
+/// no time of each pass.
 #[must_use]
 pub fn wanted_features(adapter: &wgpu::Adapter) -> wgpu::Features {
     let wanted = wgpu::Features::TIMESTAMP_QUERY
@@ -102,8 +106,8 @@ impl Gpu {
         Self::from_device(&adapter, device, queue)
     }
 
-    /// Takes the caller's device, with the limits of [`required_limits`](crate::required_limits) and best with the features of
-    /// [`wanted_features`]. Errors on it are caught in error scopes; the device's handlers are left alone.
+    /// Takes the caller's device, with the limits of [`required_limits`](crate::required_limits) and best with the
+    /// features of [`wanted_features`]. Errors on it are caught in error scopes; the device's handlers are left alone.
     ///
     /// # Errors
     /// [`GpuError::Limit`] when the device's limits are below WebGPU's defaults in what the passes need.
@@ -174,7 +178,8 @@ impl Gpu {
         self.variant
     }
 
-    /// Whether this is a software adapter. Its driver compiles a pipeline where it runs first, and not where it is made.
+    /// Whether this is a software adapter. Its driver compiles a pipeline where it runs first, and not where it is
+    /// made.
     pub(crate) fn is_software(&self) -> bool {
         self.variant == ShaderVariant::Software
     }
@@ -185,8 +190,8 @@ impl Gpu {
         if self.is_software() && !stands_in { binding.in_software } else { Bound::Buffer(binding.kind) }
     }
 
-    /// How many invocations share the work of one that a step asks for, in the text of a pass that runs. A text that stands in for it is
-    /// made of a variant for GPUs, and has the number of that.
+    /// How many invocations share the work of one that a step asks for, in the text of a pass that runs. A text that
+    /// stands in for it is made of a variant for GPUs, and has the number of that.
     pub(crate) fn share(&self, pass: &Pass) -> u32 {
         fn number(text: &str) -> Option<&str> {
             text.lines().find(|line| line.starts_with("const SHARE"))
@@ -254,8 +259,8 @@ impl Gpu {
         (result, first)
     }
 
-    /// Whether the device is lost. wgpu says so to the device's own handler only, which is the caller's; but a lost device makes
-    /// no errors of its own, not even of a buffer that a device must refuse.
+    /// Whether the device is lost. wgpu says so to the device's own handler only, which is the caller's; but a lost
+    /// device makes no errors of its own, not even of a buffer that a device must refuse.
     fn is_lost(&self) -> bool {
         let wrong = wgpu::BufferDescriptor {
             label: Some("is the device lost?"),
@@ -275,7 +280,8 @@ impl Gpu {
         Ok(())
     }
 
-    /// The pipeline of a pass, for a scene that says which switches are on, and whether this is its first use: it is made then.
+    /// The pipeline of a pass, for a scene that says which switches are on, and whether this is its first use: it is
+    /// made then.
     fn pipeline(&self, pass: &'static Pass, on: &Switches<'_>) -> Result<(wgpu::ComputePipeline, bool), GpuError> {
         let own = self.sources.get(pass.name);
         let one = self.pipeline_if_made(pass, on);
@@ -332,8 +338,8 @@ impl Gpu {
         Arc::clone(pipelines.lock().unwrap_or_else(PoisonError::into_inner).entry(key).or_default())
     }
 
-    /// Makes the pipelines of some passes, but for those that there are, several at once: the driver of a GPU may take a tenth of a second
-    /// for each.
+    /// Makes the pipelines of some passes, but for those that there are, several at once: the driver of a GPU may take
+    /// a tenth of a second for each.
     fn make_pipelines(&self, mut passes: Vec<&'static Pass>, on: &Switches<'_>) -> Result<(), GpuError> {
         passes.retain(|pass| self.pipeline_if_made(pass, on).lock().unwrap_or_else(PoisonError::into_inner).is_none());
         let next = AtomicUsize::new(0);
@@ -365,8 +371,8 @@ impl Gpu {
     }
 }
 
-/// Whether a device of these limits binds as many textures as any pass reads, each as large as a buffer that it binds and with a row more
-/// (`textures::rows`).
+/// Whether a device of these limits binds as many textures as any pass reads, each as large as a buffer that it binds
+/// and with a row more (`textures::rows`).
 fn binds_textures(limits: &wgpu::Limits) -> bool {
     let read = |binding: &&Binding| matches!(binding.in_software, Bound::Texture { .. });
     let textures = |pass: &&Pass| pass.bindings.iter().filter(read).count();

@@ -1,20 +1,21 @@
 //! Hair in turbulent wind on the GPU.
 //!
-//! Strands are Cosserat rods. Air is particles whose velocity a pressure keeps free of divergence (`fluid.solver = "divergence"`), or
-//! that a density constraint keeps apart (`"pbf"`, a position-based fluid). Each drags the other; in the method as published, which takes
-//! `"pbf"`, both are one fluid (Demura, Fujisawa & Mikawa 2019). The five things that a program does with this crate:
+//! Strands are Cosserat rods. Air is particles whose velocity a pressure keeps free of divergence (`fluid.solver =
+//! "divergence"`), or that a density constraint keeps apart (`"pbf"`, a position-based fluid). Each drags the other; in
+//! the method as published, which takes `"pbf"`, both are one fluid (Demura, Fujisawa & Mikawa 2019). The five things
+//! that a program does with this crate:
 //!
 //! * **Embed.** [`Gpu::new`] opens an adapter, [`Gpu::from_device`] takes a device that the program has already. A
-//!   [`windswept_scene::Scene`], read from a file or made in code, becomes a [`Simulation`], of the scene's own strands or of a
-//!   groom ([`Simulation::with_groom`]).
-//! * **Step.** [`Simulation::step`] runs steps and waits for them; [`Simulation::record`] and [`Simulation::settle`] put them
-//!   into the program's own command encoder. [`Simulation::set_roots`], [`Simulation::set_wind`] and
+//!   [`windswept_scene::Scene`], read from a file or made in code, becomes a [`Simulation`], of the scene's own strands
+//!   or of a groom ([`Simulation::with_groom`]).
+//! * **Step.** [`Simulation::step`] runs steps and waits for them; [`Simulation::record`] and [`Simulation::settle`]
+//!   put them into the program's own command encoder. [`Simulation::set_roots`], [`Simulation::set_wind`] and
 //!   [`Simulation::set_force`] drive it between steps.
 //! * **Read.** [`Simulation::frame`] is the state as arrays, [`Simulation::report`] what ran, how fast and how well.
-//! * **Keep.** [`Simulation::save`] writes all that lasts from step to step into a file, [`Simulation::load`] goes on from it with
-//!   the same bits.
-//! * **Draw.** [`Simulation::buffers`] are the positions and frames on the GPU, to be drawn without a copy. Pictures are made by
-//!   the crate `windswept-export`.
+//! * **Keep.** [`Simulation::save`] writes all that lasts from step to step into a file, [`Simulation::load`] goes on
+//!   from it with the same bits.
+//! * **Draw.** [`Simulation::buffers`] are the positions and frames on the GPU, to be drawn without a copy. Pictures
+//!   are made by the crate `windswept-export`.
 //!
 //! ```no_run
 //! use windswept::{AdapterChoice, Gpu, Simulation};
@@ -27,8 +28,8 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
-//! [`ops`] runs single passes over arrays of the program's own. [`plan`] and [`buffers`] say what a step consists of, without
-//! a GPU. Inside the crate, `step.rs` reads as the step, top to bottom.
+//! [`ops`] runs single passes over arrays of the program's own. [`plan`] and [`buffers`] say what a step consists of,
+//! without a GPU. Inside the crate, `step.rs` reads as the step, top to bottom.
 
 mod aliasing;
 mod array;
@@ -81,7 +82,8 @@ pub mod internals {
     pub fn with_sources(gpu: &Gpu, sources: impl IntoIterator<Item = (&'static str, String)>) -> Gpu {
         gpu.with_sources(sources)
     }
-    /// The device with another variant of the passes, which it must be able to run: a software adapter runs all of them.
+    /// The device with another variant of the passes, which it must be able to run: a software adapter runs all of
+    /// them.
     #[must_use]
     pub fn with_variant(gpu: &Gpu, variant: ShaderVariant) -> Gpu {
         gpu.with_variant(variant)

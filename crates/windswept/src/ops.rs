@@ -251,8 +251,8 @@ impl<'a> Particles<'a> {
         runner.read_vectors(|s| &s.viscous_velocity)
     }
 
-    /// Positions after `fluid.iterations` Jacobi iterations of ρ = ρ0 (eq. 1), at most [`MAX_REPEATS`], neighbours searched once
-    /// \[m\]. Uses `mass`, `rest_density`, `radius`.
+    /// Positions after `fluid.iterations` Jacobi iterations of ρ = ρ0 (eq. 1), at most [`MAX_REPEATS`], neighbours
+    /// searched once \[m\]. Uses `mass`, `rest_density`, `radius`.
     ///
     /// # Errors
     /// [`OpsError`] names the argument that is wrong, or has what the device refused.

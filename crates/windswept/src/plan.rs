@@ -243,8 +243,8 @@ impl Plan {
         }
     }
 
-    /// Lets the wind's passes run from now on, as the caller sets it, whether it blows or is zero: what was blowing is taken from the air
-    /// by them too. Says whether other passes run now.
+    /// Lets the wind's passes run from now on, as the caller sets it, whether it blows or is zero: what was blowing is
+    /// taken from the air by them too. Says whether other passes run now.
     pub fn set_wind(&mut self, blows: bool) -> bool {
         let before = (self.blows.clone(), self.deformation.clone());
         self.blow();
@@ -257,13 +257,14 @@ impl Plan {
         (self.blows, self.wind) = wind(&Decision::when(true, ""), &self.air, &self.drag);
     }
 
-    /// Lets the passes run from now on that recover strands: those that are not finite, or that somebody else than a step has written. A step
-    /// freezes where there is one and no pass recovers it.
+    /// Lets the passes run from now on that recover strands: those that are not finite, or that somebody else than a
+    /// step has written. A step freezes where there is one and no pass recovers it.
     pub fn recover_strands(&mut self) {
         self.recover = self.hair.clone();
     }
 
-    /// Lets the force that the caller sets push from now on, or lets it push no longer. It reaches air through the wind's passes.
+    /// Lets the force that the caller sets push from now on, or lets it push no longer. It reaches air through the
+    /// wind's passes.
     pub fn set_force(&mut self, pushes: bool) {
         self.pushes = Decision::when(pushes, "no force was set");
         if pushes {
@@ -304,14 +305,14 @@ fn wind(blows: &Decision, air: &Decision, drag: &Decision) -> (Decision, Decisio
     (if air.runs || drag.runs { blows.clone() } else { air.and(drag.clone()) }, air.and(blows.clone()))
 }
 
-/// Whether a pass asks how the flow deforms air: `fluid/spread` where no wind blows, and XSPH where eddies smaller than the spacing
-/// exchange velocity.
+/// Whether a pass asks how the flow deforms air: `fluid/spread` where no wind blows, and XSPH where eddies smaller than
+/// the spacing exchange velocity.
 fn deformation(eddies: bool, is_still: bool) -> Decision {
     Decision::when(eddies || is_still, "wind blows and viscosity.smagorinsky is 0")
 }
 
-/// Bands in the order in which they run: those that share a grid follow one another. There is at least one, so that the plan always names
-/// the passes of a band.
+/// Bands in the order in which they run: those that share a grid follow one another. There is at least one, so that the
+/// plan always names the passes of a band.
 fn bands(setup: &Setup<'_>) -> Vec<BandPlan> {
     let (scene, params, cut, meshes) = (setup.scene, &setup.params, &setup.bands, &setup.meshes);
     let plan = |index: usize, runs: Decision| {
@@ -358,7 +359,8 @@ struct Exchanges {
     hair: f64,
 }
 
-/// S_i = Σ c_ij w_ij ≤ 2 c √(V_max/V_min), since Σ_j V_j W ≤ θ_i, with the volumes and the coefficient of those that the particle meets.
+/// S_i = Σ c_ij w_ij ≤ 2 c √(V_max/V_min), since Σ_j V_j W ≤ θ_i, with the volumes and the coefficient of those that
+/// the particle meets.
 fn exchanges(scene: &Scene, initial: &InitialState) -> Exchanges {
     let bound = |coefficient: f64, volumes: &mut dyn Iterator<Item = f64>| {
         let (smallest, largest) = volumes.fold((f64::INFINITY, 0.0_f64), |(a, b), v| (a.min(v), b.max(v)));

@@ -47,7 +47,8 @@ pub struct Command {
     pub label: &'static str,
     /// Number of invocations that are wanted, before any share their work ([`Pass::shares`]).
     pub invocations: u32,
-    /// Clusters whose particles the pass goes through, in all pages of the neighbour list; none if it goes through no clusters.
+    /// Clusters whose particles the pass goes through, in all pages of the neighbour list; none if it goes through no
+    /// clusters.
     pub clusters: Range<u32>,
     /// Arrays that the pass's bindings are bound to, in the order of the bindings.
     pub arrays: Vec<AnyArray>,
@@ -137,8 +138,8 @@ impl<'a> Recorder<'a> {
         Bindings(&mut commands[last..])
     }
 
-    /// Adds a pass over the particles of clusters, which meet their neighbours: once for each page of the neighbour list that has any of
-    /// these clusters.
+    /// Adds a pass over the particles of clusters, which meet their neighbours: once for each page of the neighbour
+    /// list that has any of these clusters.
     pub fn dispatch_neighbours(
         &mut self,
         pass: &'static Pass,

@@ -6,7 +6,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::gpu::{AdapterInfo, ShaderVariant};
 
-/// The report of a run so far. What was not measured is left out, never null; in report.json of a run that failed so is what is not finite.
+/// The report of a run so far. What was not measured is left out, never null; in report.json of a run that failed so is
+/// what is not finite.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
     /// Version of this schema.
@@ -37,8 +38,8 @@ pub struct Report {
     /// Median wall time of a step, stepping alone, first step excluded \[ms\].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub ms_per_step: Option<f64>,
-    /// Wall time of making the simulation from its initial state: its buffers, and its pipelines, which Mesa's software driver compiles
-    /// meanwhile \[ms\].
+    /// Wall time of making the simulation from its initial state: its buffers, and its pipelines, which Mesa's software
+    /// driver compiles meanwhile \[ms\].
     pub ms_setup: f64,
     /// Wall time of the first step, in which other drivers may still compile pipelines \[ms\].
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -52,9 +53,9 @@ pub struct Report {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub max_stretch: Option<f64>,
     /// Steps of strands that went otherwise than by a solve of the integrator asked for, summed over all strands and
-    /// steps: `euler_steps` by implicit Euler instead of BDF2, `sleeping_steps` of strands at rest, `teleports` of strands that a
-    /// far jump of their root took along as they were, and `unsolved_steps` of strands that had not settled after `rods.newton`
-    /// Newton steps and lag behind.
+    /// steps: `euler_steps` by implicit Euler instead of BDF2, `sleeping_steps` of strands at rest, `teleports` of
+    /// strands that a far jump of their root took along as they were, and `unsolved_steps` of strands that had not
+    /// settled after `rods.newton` Newton steps and lag behind.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub strand_steps: Option<BTreeMap<String, u64>>,
     /// Density error: rms of ρ/ρ0 − 1 over the air.
@@ -101,7 +102,8 @@ pub struct RunFailure {
 /// What was put back to rest because it was not finite, or faster than anything can be, and when.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Reset {
-    /// Step of Δt, from 0, in which it was found: the last one, if strands were reset in several steps between two readings of the status.
+    /// Step of Δt, from 0, in which it was found: the last one, if strands were reset in several steps between two
+    /// readings of the status.
     pub step: u64,
     /// Time at the start of that step \[s\].
     pub time_s: f64,

@@ -12,8 +12,8 @@ use crate::{
     upload::winds,
 };
 
-/// Everything that is derived from a scene before anything is allocated. Plan, buffers and what fills them come from here,
-/// so that an index means the same in all of them.
+/// Everything that is derived from a scene before anything is allocated. Plan, buffers and what fills them come from
+/// here, so that an index means the same in all of them.
 #[derive(Debug)]
 pub struct Setup<'a> {
     /// The scene.
@@ -103,7 +103,8 @@ impl<'a> Setup<'a> {
         self.meshes.uniforms.iter().copied().chain(coarse).collect()
     }
 
-    /// The uniforms: of the scene for each page of the neighbour list, and of each grid of the band filter with its nodes for cells.
+    /// The uniforms: of the scene for each page of the neighbour list, and of each grid of the band filter with its
+    /// nodes for cells.
     pub(crate) fn uniforms(&self) -> Vec<Params> {
         let grids = self.meshes.grids.iter().map(|grid| params::with_cells(&self.params, *grid));
         (0..PAGES).map(|page| Params { page, ..self.params }).chain(grids).collect()

@@ -32,7 +32,8 @@ use crate::{
     upload::rods,
 };
 
-/// Time that a batch of steps should take, after which the host reads the status \[s\]: short enough for progress bars and Ctrl-C.
+/// Time that a batch of steps should take, after which the host reads the status \[s\]: short enough for progress bars
+/// and Ctrl-C.
 const BATCH_S: f64 = 0.1;
 /// Most steps in a batch: after one that freezes the rest are wasted.
 const STEPS_PER_BATCH: u64 = 64;
@@ -80,12 +81,13 @@ pub struct Simulation {
 /// The state on the GPU. Every element is four `f32`, but for the ids.
 #[derive(Debug, Clone, Copy)]
 pub struct Buffers<'a> {
-    /// Position of each particle less `origin` \[m\], and its volume \[m³\]; hair points first, then air in the order of its slots.
+    /// Position of each particle less `origin` \[m\], and its volume \[m³\]; hair points first, then air in the order
+    /// of its slots.
     pub positions: &'a wgpu::Buffer,
     /// Velocity of each particle \[m/s\]; the fourth number means nothing.
     pub velocities: &'a wgpu::Buffer,
-    /// Stable id of the particle in each slot of air, a `u32`. Air lies in memory as it lies in the box, so that a step may give a
-    /// particle another slot; who draws all air alike need not look.
+    /// Stable id of the particle in each slot of air, a `u32`. Air lies in memory as it lies in the box, so that a step
+    /// may give a particle another slot; who draws all air alike need not look.
     pub air_ids: &'a wgpu::Buffer,
     /// Orientation of each segment: the rotation (x, y, z, w) from material frame to world.
     pub orientations: &'a wgpu::Buffer,
@@ -128,8 +130,9 @@ impl Simulation {
         Self::started(gpu, &Scene { hair: Vec::new(), ..scene.clone() }, initial, Origin::Validated)
     }
 
-    /// A simulation that starts from the caller's own arrays; the scene's `[hair]` and lattice are not looked at. Hair that is too light for
-    /// the model `particles` carries air along, with a warning: [`Strands::add_air_mass`](windswept_scene::Strands::add_air_mass).
+    /// A simulation that starts from the caller's own arrays; the scene's `[hair]` and lattice are not looked at. Hair
+    /// that is too light for the model `particles` carries air along, with a warning:
+    /// [`Strands::add_air_mass`](windswept_scene::Strands::add_air_mass).
     ///
     /// # Errors
     /// [`Error::Scene`] when the arrays do not belong together, [`Error::Gpu`] when they do not fit the adapter.
@@ -259,8 +262,9 @@ impl Simulation {
         Ok(())
     }
 
-    /// Encodes `n` steps of Δt into the caller's encoder, beside the caller's own work. Of a step that is done in part, as one of which a
-    /// substep froze, those substeps are encoded that it lacks. Call [`Self::settle`] after the submit, and before the next call.
+    /// Encodes `n` steps of Δt into the caller's encoder, beside the caller's own work. Of a step that is done in part,
+    /// as one of which a substep froze, those substeps are encoded that it lacks. Call [`Self::settle`] after the
+    /// submit, and before the next call.
     pub fn record(&self, encoder: &mut wgpu::CommandEncoder, n: u64) {
         let goal = self.steps.saturating_add(n).saturating_mul(self.substeps());
         for _ in self.last.step.into()..goal {
@@ -268,9 +272,10 @@ impl Simulation {
         }
     }
 
-    /// Reads the status after a submit. Where a step needed a longer neighbour list it grows. Where something was not finite for the first
-    /// time, air or hair, the step gets the passes that recover strands. The frozen steps are then not done, so
-    /// compare [`Self::steps`] and record them again. Turns what ended the run into an error: what is not finite although these passes ran.
+    /// Reads the status after a submit. Where a step needed a longer neighbour list it grows. Where something was not
+    /// finite for the first time, air or hair, the step gets the passes that recover strands. The frozen steps are then
+    /// not done, so compare [`Self::steps`] and record them again. Turns what ended the run into an error: what is not
+    /// finite although these passes ran.
     ///
     /// # Errors
     /// [`RunError`] names what ended the run.
@@ -329,7 +334,8 @@ impl Simulation {
         u64::from(step) < u64::from(self.first_substep) + self.substeps()
     }
 
-    /// Number of substeps in the next batch. The first step goes substep by substep: nobody knows yet how long they take.
+    /// Number of substeps in the next batch. The first step goes substep by substep: nobody knows yet how long they
+    /// take.
     fn batch(&self) -> u64 {
         let Some(step_ms) = self.step_ms.last().or(self.first_step_ms.as_ref()) else { return 1 };
         let most = if self.is_first_step(self.last.step) { 1 } else { STEPS_PER_BATCH };
@@ -448,7 +454,8 @@ impl Simulation {
         Ok(frame)
     }
 
-    /// The strands that the simulation started from, in the numbers that [`Self::frame`] had for them before the first step.
+    /// The strands that the simulation started from, in the numbers that [`Self::frame`] had for them before the first
+    /// step.
     #[must_use]
     pub fn hair_at_start(&self) -> HairFrame {
         let (hair, origin) = (&self.initial.hair, self.initial.origin);

@@ -2,8 +2,8 @@
 
 /// Who is in each slot of air: the particle's stable id.
 ///
-/// Air lies in memory in the order of cells, so that neighbours in the box are near one another there too, and a step may give
-/// each particle another slot.
+/// Air lies in memory in the order of cells, so that neighbours in the box are near one another there too, and a step
+/// may give each particle another slot.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Slots(pub(crate) Vec<u32>);
 

@@ -1,9 +1,9 @@
 //! Every buffer of the engine, in one table. Descriptions only; [`crate::gpu`] owns the memory.
 //!
-//! Hair points come first, root to tip and strand by strand, then air. Air lies in memory as it lies in the box: a step commits it
-//! in the order of the cells that stage `neighbours` sorted it into, and `air_id` says which particle is in which slot. Positions are
-//! local: world minus the scene's origin. Which passes write what lasts from step to step stands in
-//! `docs/decisions/engine.md`, under *Who writes what lasts*.
+//! Hair points come first, root to tip and strand by strand, then air. Air lies in memory as it lies in the box: a step
+//! commits it in the order of the cells that stage `neighbours` sorted it into, and `air_id` says which particle is in
+//! which slot. Positions are local: world minus the scene's origin. Which passes write what lasts from step to step
+//! stands in `docs/decisions/engine.md`, under *Who writes what lasts*.
 
 use std::ops::Range;
 
@@ -215,8 +215,8 @@ macro_rules! state {
 
 state! {
     [Static] // Lies alone. First what the host derives from the scene.
-    /// Uniform: what stays the same from step to step, for each page of the neighbour list; then per grid of the band filter, with its cells
-    /// in place of the box's.
+    /// Uniform: what stays the same from step to step, for each page of the neighbour list; then per grid of the band
+    /// filter, with its cells in place of the box's.
     params: Params, |s| s.grids + PAGES;
     /// Uniform per dispatch of the band filter: scale, law and the stretch of the box.
     band: Band, |s| s.band_tasks;
@@ -236,16 +236,18 @@ state! {
     air_id: u32, |s| s.air();
     /// Orientation of a segment: quaternion (x, y, z, w), material frame to world.
     orientation: Vec4, |s| s.segments;
-    /// What a hair point remembers: the last move \[m\], the velocity before \[m/s\], what rounding left off the position \[m\],
-    /// what acted on it from outside and from its own rod in the last step awake, its grip \[m/s\], its drift since it became still \[m\].
+    /// What a hair point remembers: the last move \[m\], the velocity before \[m/s\], what rounding left off the
+    /// position \[m\], what acted on it from outside and from its own rod in the last step awake, its grip \[m/s\], its
+    /// drift since it became still \[m\].
     point_history: PointHistory, |s| s.hair_points;
-    /// What a segment remembers: the last turn \[rad\], its angular velocity in the world and that before \[rad/s\], its drift since it became still
-    /// \[rad\].
+    /// What a segment remembers: the last turn \[rad\], its angular velocity in the world and that before \[rad/s\],
+    /// its drift since it became still \[rad\].
     segment_history: SegmentHistory, |s| s.segments;
-    /// What pressure did to a particle in the step before: its change of the velocity \[m/s\], and the pressure itself \[m²/s\].
+    /// What pressure did to a particle in the step before: its change of the velocity \[m/s\], and the pressure itself
+    /// \[m²/s\].
     pressed_before: Pressed, |s| s.pressed;
-    /// What a strand remembers: where its clamp is, and its ghost frame; whether it is not finite, over-strained and still, in steps on end;
-    /// whether BDF2 may follow.
+    /// What a strand remembers: where its clamp is, and its ghost frame; whether it is not finite, over-strained and
+    /// still, in steps on end; whether BDF2 may follow.
     strand_history: StrandHistory, |s| s.strands;
     /// Forces of each contact of hair with a body in the step before \[N\].
     contact_history: ContactHistory, |s| s.contacts();
@@ -269,7 +271,8 @@ state! {
     bodies: Body, |s| s.bodies;
     /// Signed distances at the nodes of the grids of all meshes \[m\].
     distances: f32, |s| s.distances;
-    /// Taps of the smoothing Gaussian and of its second derivative \[1/m²\], two of each, band by band and axis by axis.
+    /// Taps of the smoothing Gaussian and of its second derivative \[1/m²\], two of each, band by band and axis by
+    /// axis.
     taps: Vec4, |s| s.taps;
 
     [Checkpointed] // Written by the host between steps.
@@ -282,7 +285,8 @@ state! {
     /// Acceleration that was set \[m/s²\]: of hair points, then of air by stable id.
     pushed: Vec4, |s| s.pushed;
     [Static]
-    /// A wave of the turbulence that the wind brings in: wave number \[1/m\] and phase, amplitude over the wind's speed.
+    /// A wave of the turbulence that the wind brings in: wave number \[1/m\] and phase, amplitude over the wind's
+    /// speed.
     inflow: Wave, |s| s.waves;
     /// A force field: where it is, how far it reaches, its keyframes.
     fields: Field, |s| s.fields;
@@ -299,12 +303,13 @@ state! {
     /// Slip that friction holds a hair point back from, after this step \[m/s\].
     grip: Vec4, |s| s.hair_points;
 
-    /// Impulse of the coarse pressure on a body in the last step, over the mass of an air particle \[m/s\]; zero without a coarse grid.
+    /// Impulse of the coarse pressure on a body in the last step, over the mass of an air particle \[m/s\]; zero
+    /// without a coarse grid.
     coarse_impulse: Vec4, |s| s.bodies;
 
     // Written by a pass in part: the rest is zero for good.
-    /// What XSPH is to exchange at a particle: S of the limiter, and how the flow deforms air, from which unresolved eddies have their
-    /// viscosity.
+    /// What XSPH is to exchange at a particle: S of the limiter, and how the flow deforms air, from which unresolved
+    /// eddies have their viscosity.
     exchange: Exchange, |s| s.particles;
 
     // Passes over neighbours run on in a frozen step, and would follow whatever another array left here.
@@ -318,8 +323,8 @@ state! {
     neighbour_list_4: [u32; 4], |s| if s.pages > 3 { s.neighbours } else { 0 };
 
     [Output] // What is measured between steps.
-    /// Place, velocities, force from outside, free move and move of a hair point in this step. Every pass that knows a force on hair adds to
-    /// `force` \[N\] and `resistance` \[kg/s\], which the rods take implicitly.
+    /// Place, velocities, force from outside, free move and move of a hair point in this step. Every pass that knows a
+    /// force on hair adds to `force` \[N\] and `resistance` \[kg/s\], which the rods take implicitly.
     rod_points: RodPoint, |s| s.hair_points;
     /// What a strand's clamp does in this step, whether the strand is solved, and how it is found.
     rod_strands: RodStrand, |s| s.strands;
@@ -343,8 +348,8 @@ state! {
     wind_change: Vec4, |s| s.particles;
     /// What friction of hair on hair asks of a hair point: how it slips, its multipliers, its strand.
     friction_points: FrictionPoint, |s| s.hair_points;
-    /// What becomes velocity of what the density constraint, and friction of hair on hair, moved a particle by in this step \[m\];
-    /// w: sum of the multipliers times the relaxation \[kg m²\].
+    /// What becomes velocity of what the density constraint, and friction of hair on hair, moved a particle by in this
+    /// step \[m\]; w: sum of the multipliers times the relaxation \[kg m²\].
     correction: Vec4, |s| s.particles;
     /// What one iteration of the density constraint, or friction, moves a particle by \[m\].
     shift: Vec4, |s| s.particles;
@@ -354,14 +359,15 @@ state! {
     pressed: Pressed, |s| s.pressed;
     /// What corrects the gradients of the kernel at a particle, and how its divergence gives way \[1/m²\].
     gradients: Gradients, |s| s.pressed;
-    /// The wall that a body is to a particle near it: normal, distance, speed, the part of the kernel beyond it, and what the body has had of the
-    /// particle.
+    /// The wall that a body is to a particle near it: normal, distance, speed, the part of the kernel beyond it, and
+    /// what the body has had of the particle.
     wall: Wall, |s| s.walls();
     /// What a particle pushes its neighbours by \[1/(m s)\], and its divergence \[1/s\].
     stress: Stress, |s| s.pressed;
     /// What air brings to the coarse grid, in cell order: its place \[node spacings\]; w: its divergence \[1/s\].
     deposit_source: Vec4, |s| if s.coarse_nodes > 0 { s.particles } else { 0 };
-    /// What is on a node of the coarse grid: the divergence that air brought to it \[1/s\], at last the pressure \[m²/s\].
+    /// What is on a node of the coarse grid: the divergence that air brought to it \[1/s\], at last the pressure
+    /// \[m²/s\].
     coarse: f32, |s| s.coarse_nodes;
     /// The coarse grid between two transforms.
     coarse_waves: f32, |s| s.coarse_nodes;
@@ -369,9 +375,11 @@ state! {
     coarse_change: Vec4, |s| if s.coarse_nodes > 0 { s.particles } else { 0 };
     /// Sums over the air: that change q \[m/s\], q·v \[m²/s²\], v \[m/s\], q·q \[m²/s²\].
     coarse_total: Vec4, |_| 2;
-    /// Sums over sites in a body, as if air filled it: of that change q \[m/s\], q·v \[m²/s²\], v \[m/s\], and the number of particles.
+    /// Sums over sites in a body, as if air filled it: of that change q \[m/s\], q·v \[m²/s²\], v \[m/s\], and the
+    /// number of particles.
     solid_total: [f32; 8], |s| s.bodies;
-    /// Sums over the air whose nearest body this is: the impulse on the body \[m/s\], (θ − 1)² within a kernel radius, the number of particles there.
+    /// Sums over the air whose nearest body this is: the impulse on the body \[m/s\], (θ − 1)² within a kernel radius,
+    /// the number of particles there.
     air_total: [f32; 8], |s| s.bodies;
     /// Partial sums for each body.
     partial_by_body: [f32; 8], |s| s.bodies.saturating_mul(CHUNKS);
@@ -389,7 +397,8 @@ state! {
     air_id_before: u32, |s| s.air();
 
     // Turbulence; empty without bands.
-    /// Position of a particle in cell order \[m\]; w: 1 for air, 0 for hair. For the direct filter, whose sort is older.
+    /// Position of a particle in cell order \[m\]; w: 1 for air, 0 for hair. For the direct filter, whose sort is
+    /// older.
     flow_position: Vec4, |s| s.direct_filter;
     /// What air brings to the band filter, in cell order: V (v − U) \[m⁴/s\], w: V \[m³\]; as printed v \[m/s\].
     flow: Vec4, |s| s.turbulent();
@@ -409,8 +418,8 @@ state! {
     band_velocity: Vec4, |s| s.turbulent();
     /// What confinement adds to a particle in this step, all bands \[m/s\].
     confinement: Vec4, |s| s.turbulent();
-    /// Up to eight sums over the particles of a workgroup each: of what air in the fringe misses of the wind \[m/s²\], of the
-    /// confinement, or of what the coarse pressure does.
+    /// Up to eight sums over the particles of a workgroup each: of what air in the fringe misses of the wind \[m/s²\],
+    /// of the confinement, or of what the coarse pressure does.
     partial_sum: [f32; 8], |s| s.air().div_ceil(WORKGROUP * TERMS);
     /// Sums over the air, as of the coarse pressure's change: the first is that of the confinement \[m/s\].
     confinement_total: Vec4, |_| 2;

@@ -30,8 +30,8 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     commit::record(r, plan); //      8. Commit, or freeze and report.
 }
 
-/// Records how air beside bodies gets its velocity before the first step. The passes run over the state copied to `predicted` and
-/// `new_velocity`, and over pressures of zero.
+/// Records how air beside bodies gets its velocity before the first step. The passes run over the state copied to
+/// `predicted` and `new_velocity`, and over pressures of zero.
 pub fn record_start(r: &mut Recorder<'_>, plan: &Plan) {
     r.when(&plan.walls, |r| {
         forcing::record_wind(r, plan);
@@ -52,8 +52,8 @@ pub enum Quantity {
     Vorticity,
 }
 
-/// All that a simulation of this plan runs: its step, also as it is once a wind is set, which may be zero, or a force, each also with the
-/// passes that recover strands, and the passes of each quantity.
+/// All that a simulation of this plan runs: its step, also as it is once a wind is set, which may be zero, or a force,
+/// each also with the passes that recover strands, and the passes of each quantity.
 #[must_use]
 pub fn recordings(state: &State, plan: &Plan) -> Vec<Recording> {
     let set = |wind: Option<bool>, force: bool| {

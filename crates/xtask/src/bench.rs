@@ -1,7 +1,7 @@
 //! `cargo xtask bench`: how fast windswept is beside an earlier build of itself, beside a peer, and on a GPU.
 //!
-//! What is compared runs by turns, so that whatever else the machine does falls on both. Spread is the median absolute deviation
-//! of the turns' ratios.
+//! What is compared runs by turns, so that whatever else the machine does falls on both. Spread is the median absolute
+//! deviation of the turns' ratios.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -92,8 +92,8 @@ pub(crate) fn compare(file: &str, rest: &[&str]) -> Result {
     Ok(())
 }
 
-/// `cargo xtask bench --peer`: whole steps of the paper's scenes at one substep, by turns with SPlisHSPlasH on as many particles as
-/// fig2b has.
+/// `cargo xtask bench --peer`: whole steps of the paper's scenes at one substep, by turns with SPlisHSPlasH on as many
+/// particles as fig2b has.
 pub(crate) fn peer(rest: &[&str]) -> Result {
     let options = options(rest)?;
     let python = venv::provide(&["pysplishsplash"])?;
@@ -140,7 +140,8 @@ pub(crate) fn peer(rest: &[&str]) -> Result {
     Ok(())
 }
 
-/// `cargo xtask bench --gpu`: checks the adapter, times the paper's scenes and two million particles, and writes a JSON file.
+/// `cargo xtask bench --gpu`: checks the adapter, times the paper's scenes and two million particles, and writes a JSON
+/// file.
 pub(crate) fn gpu(rest: &[&str]) -> Result {
     written("gpu", rest, cargo())
 }
@@ -308,8 +309,8 @@ mod check {
         assert_eq!(lone_rows(&turns), [("old pass".to_owned(), "old"), ("new pass".to_owned(), "new")]);
     }
 
-    /// A row that takes 5 % longer in every turn is slower, whatever the machine does to both; one that is now faster, now
-    /// slower is not.
+    /// A row that takes 5 % longer in every turn is slower, whatever the machine does to both; one that is now faster,
+    /// now slower is not.
     #[test]
     fn what_became_slower_is_found() {
         let before = [10.0, 20.0, 11.0, 35.0, 10.5];

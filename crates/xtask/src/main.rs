@@ -1,4 +1,5 @@
-//! `cargo xtask demo`, `python`, `test`, `bench`, `stress`, `figures`, `fuzz`, `mutants`, `new` and `package`: set up what a clean clone lacks, then run it.
+//! `cargo xtask demo`, `python`, `test`, `bench`, `stress`, `figures`, `fuzz`, `mutants`, `new` and `package`: set up
+//! what a clean clone lacks, then run it.
 //!
 //! Everything that these commands fetch is either a system package, announced before it is installed, or lies in
 //! `target/venv`.

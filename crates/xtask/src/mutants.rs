@@ -1,7 +1,8 @@
 //! `cargo xtask mutants [PART [SHARD]]`: the code with one small fault at a time, and whether a test notices it.
 //!
-//! cargo-mutants makes the faults in Rust and runs the tests of the part in a copy of the tree. Those of the shaders are the project's
-//! own (`FAULTS` in tests/passes). What was measured is written into benches/results/mutants.md, where other parts and shards stay as they are.
+//! cargo-mutants makes the faults in Rust and runs the tests of the part in a copy of the tree. Those of the shaders
+//! are the project's own (`FAULTS` in tests/passes). What was measured is written into benches/results/mutants.md,
+//! where other parts and shards stay as they are.
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -1,5 +1,5 @@
-//! `cargo xtask new pass STAGE/NAME`, `new key TABLE.NAME` and `new format NAME`: the skeleton of something new in all its places. It compiles,
-//! and its test fails with a sentence that says what to write.
+//! `cargo xtask new pass STAGE/NAME`, `new key TABLE.NAME` and `new format NAME`: the skeleton of something new in all
+//! its places. It compiles, and its test fails with a sentence that says what to write.
 
 use std::fs;
 
@@ -73,8 +73,11 @@ pub(crate) fn key(name: &str) -> Result {
     let declared = ["scene.rs", "scene/rods.rs", "scene/turbulence.rs", "scene/viscosity.rs"];
     let heading = format!("/// `[{table}]`");
     let found = declared.iter().map(|file| format!("crates/windswept-scene/src/{file}"));
-    let file = found.into_iter().find(|file| fs::read_to_string(root().join(file)).is_ok_and(|text| text.contains(&heading)));
-    let Some(file) = file else { return Err(format!("{name}: no table [{table}] of numbers is declared in windswept-scene")) };
+    let file =
+        found.into_iter().find(|file| fs::read_to_string(root().join(file)).is_ok_and(|text| text.contains(&heading)));
+    let Some(file) = file else {
+        return Err(format!("{name}: no table [{table}] of numbers is declared in windswept-scene"));
+    };
     let test = format!(
         "
 #[test]
@@ -192,7 +195,8 @@ fn write_all(places: &[Place]) -> Result {
             }
             (Ok(before), None) => before + text,
             (Ok(before), Some((start, end))) => {
-                let at = before.find(start).and_then(|at| Some(at + start.len() + before[at + start.len()..].find(end)?));
+                let at =
+                    before.find(start).and_then(|at| Some(at + start.len() + before[at + start.len()..].find(end)?));
                 let at = at.ok_or_else(|| format!("{path} has no `{}`", start.trim()))?;
                 format!("{}{text}{}", &before[..at], &before[at..])
             }

@@ -11,8 +11,8 @@ use crate::{Result, cargo, figures, line, python, say, venv, vulkan};
 pub(crate) enum Length {
     /// The tests that `cargo test` runs, and those of pytest without the mark `long`.
     Usual,
-    /// Also the tests that are ignored because they take long, the Python tests marked `long`, for which Blender is installed, a short run of the
-    /// benches, and the claims about the paper's figures.
+    /// Also the tests that are ignored because they take long, the Python tests marked `long`, for which Blender is
+    /// installed, a short run of the benches, and the claims about the paper's figures.
     Long,
 }
 
@@ -28,11 +28,12 @@ pub(crate) fn run(length: Length) -> Result {
     let on_software = |command: &mut Command| {
         if let Some(manifest) = &driver {
             command.env("VK_DRIVER_FILES", manifest).env("WGPU_ADAPTER_NAME", "llvmpipe");
-            // Tests run side by side, each on one core: lavapipe's own threads would take more time to start than they save.
+            // Tests run side by side, each on one core: lavapipe's own threads would take more time to start than they
+            // save.
             command.env("LP_NUM_THREADS", "0");
         }
-        // With RUST_BACKTRACE a build with debug assertions of wgpu walks the stack at every lock: 5 to 15 % of the time of a test program.
-        // Panics of the tests still show theirs.
+        // With RUST_BACKTRACE a build with debug assertions of wgpu walks the stack at every lock: 5 to 15 % of the
+        // time of a test program. Panics of the tests still show theirs.
         command.env("RUST_LIB_BACKTRACE", "0");
         vulkan::give_runtime_folder(command);
     };
@@ -58,7 +59,8 @@ pub(crate) fn run(length: Length) -> Result {
         // Many tests wait for a process: half as many again as there are cores keep these busy.
         of_rust.env("RUST_TEST_THREADS", (3 * cores.get()).div_ceil(2).to_string());
     }
-    // A test program of Rust leaves a core idle while its last test runs: Python's tests use it. What they print waits for the end.
+    // A test program of Rust leaves a core idle while its last test runs: Python's tests use it. What they print waits
+    // for the end.
     let (rust, python) = thread::scope(|scope| {
         let python = scope.spawn(|| run_and_collect(&mut of_python));
         (run_and_count(&mut of_rust, |row| println!("{row}")), python.join())

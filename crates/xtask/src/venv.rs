@@ -30,7 +30,8 @@ pub(crate) fn provide(packages: &[&str]) -> Result<PathBuf> {
 
 /// Makes sure that these PyPI packages are in the environment of this name in `target`; returns its Python.
 ///
-/// A list of what was installed makes the second call quick: pip alone takes a second to find that nothing is to be done.
+/// A list of what was installed makes the second call quick: pip alone takes a second to find that nothing is to be
+/// done.
 pub(crate) fn provide_in(name: &str, packages: &[&str]) -> Result<PathBuf> {
     let venv = root().join("target").join(name);
     let python = if cfg!(windows) { venv.join("Scripts/python.exe") } else { venv.join("bin/python") };

@@ -25,7 +25,8 @@ pub(crate) fn any_driver() -> Result {
 
 /// Makes sure that there is lavapipe, Mesa's driver that runs on the CPU, and returns its manifest.
 ///
-/// The tests run on it wherever they run, so that they give the same numbers. `None` where it does not exist (Metal, DX12).
+/// The tests run on it wherever they run, so that they give the same numbers. `None` where it does not exist (Metal,
+/// DX12).
 pub(crate) fn software_driver() -> Result<Option<PathBuf>> {
     if !cfg!(target_os = "linux") {
         return Ok(None);
@@ -36,8 +37,8 @@ pub(crate) fn software_driver() -> Result<Option<PathBuf>> {
     if has_loader() { lavapipe().map(Some).ok_or_else(not_there_yet) } else { Err(not_there_yet()) }
 }
 
-/// Sets `XDG_RUNTIME_DIR` for a command where it is unset, as on a machine that nobody is logged in to: without it the Vulkan
-/// loader's window systems print an error, though no window is opened.
+/// Sets `XDG_RUNTIME_DIR` for a command where it is unset, as on a machine that nobody is logged in to: without it the
+/// Vulkan loader's window systems print an error, though no window is opened.
 pub(crate) fn give_runtime_folder(command: &mut Command) {
     if std::env::var_os("XDG_RUNTIME_DIR").is_none() {
         command.env("XDG_RUNTIME_DIR", root().join("target"));

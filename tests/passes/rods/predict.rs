@@ -1,4 +1,5 @@
-//! Strands that are reset, teleported, asleep, woken, or of violated constraints: how they go through a step, where their solver starts, and where it ends.
+//! Strands that are reset, teleported, asleep, woken, or of violated constraints: how they go through a step, where
+//! their solver starts, and where it ends.
 
 use glam::{DQuat, DVec3};
 use rand::SeedableRng;
@@ -247,7 +248,8 @@ fn with_cases(n: usize, keys: &str, step: f64) -> (Fixture, Reference, Vec<DVec3
     (fixture, s, push)
 }
 
-/// Largest differences of each strand within a step: of moves and strains \[m\], and of frames and turns. What is placed is so on both.
+/// Largest differences of each strand within a step: of moves and strains \[m\], and of frames and turns. What is
+/// placed is so on both.
 fn apart(fixture: &Fixture, s: &Reference, w: &Scratch) -> Vec<[f64; 2]> {
     let p = &fixture.parameters;
     let (points, segments) = fixture.rods();
@@ -283,7 +285,8 @@ fn apart(fixture: &Fixture, s: &Reference, w: &Scratch) -> Vec<[f64; 2]> {
     (0..s.hair.len()).map(of_strand).collect()
 }
 
-/// Strands of all [`CASES`]: how they go, where their solver starts and ends, how they are found to be, and what is counted.
+/// Strands of all [`CASES`]: how they go, where their solver starts and ends, how they are found to be, and what is
+/// counted.
 #[test]
 fn strands_start_and_end_as_in_the_reference() {
     for n in support::SIZES {
@@ -338,7 +341,8 @@ fn strands_start_and_end_as_in_the_reference() {
                 tips.filter(|tip| speeds[*tip].length() > 5e-5 || wanted(*tip).length() > 5e-5).collect();
             assert_eq!(moving, [0; 0], "{n}, {keys}: tips that are held have velocities");
 
-            // Rounding decides whether a strand takes a Newton step more, and where one that starts like this goes in the end.
+            // Rounding decides whether a strand takes a Newton step more, and where one that starts like this goes in
+            // the end.
             let astray = if p.newton_steps == 1 { 0 } else { n / 30 };
             let of = |strands: &[[f64; 2]], part: usize| {
                 let mut gaps: Vec<_> = strands.iter().map(|gaps| gaps[part]).collect();

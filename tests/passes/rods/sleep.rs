@@ -17,8 +17,9 @@ use crate::{
 /// Strands that are not finite when the fifth step begins.
 const LOST: [usize; 3] = [1, 17, 40];
 
-/// 26 steps of hair at rest without gravity: strands that are not finite are reset, most fall asleep, some are woken by their
-/// root or a jump of it, some by a body that flies by. In the end those that jumped and turned sleep again, where they were sent.
+/// 26 steps of hair at rest without gravity: strands that are not finite are reset, most fall asleep, some are woken by
+/// their root or a jump of it, some by a body that flies by. In the end those that jumped and turned sleep again, where
+/// they were sent.
 #[test]
 fn strands_sleep_wake_and_are_reset_as_the_reference_s() {
     let mut scene = scene_of(65, "sleep = true");
@@ -102,8 +103,8 @@ fn strands_sleep_wake_and_are_reset_as_the_reference_s() {
         }
     }
     println!("{furthest:?} from the reference, before the body comes and from then on");
-    // Measured 2.5e-7 m, 9.5e-6 m/s, 2.1e-6 and 4.0e-4 1/s, and, as strands are thrown round, 3.5e-7 m, 4.1e-5 m/s, 3.3e-5 and 5.5e-3 1/s;
-    // margin 4.
+    // Measured 2.5e-7 m, 9.5e-6 m/s, 2.1e-6 and 4.0e-4 1/s, and, as strands are thrown round, 3.5e-7 m, 4.1e-5 m/s,
+    // 3.3e-5 and 5.5e-3 1/s; margin 4.
     let bounds = [[1e-6, 4e-5, 8.5e-6, 1.6e-3], [1.4e-6, 1.7e-4, 1.4e-4, 2.2e-2]];
     let within = furthest.as_flattened().iter().zip(bounds.as_flattened()).all(|(apart, bound)| apart < bound);
     assert!(within, "{furthest:?}");

@@ -25,7 +25,8 @@ use crate::{
 /// Numbers of strands; those of the last have two points each.
 const SIZES: [usize; 6] = [1, 63, 64, 65, 700, 6_701];
 
-/// Bounds of moves \[m\], frames and strains \[m\] of strands whose tips are free. Measured 2.8e-7, 2.1e-6, 5.2e-9; margin 4.
+/// Bounds of moves \[m\], frames and strains \[m\] of strands whose tips are free. Measured 2.8e-7, 2.1e-6, 5.2e-9;
+/// margin 4.
 const FREE: [f64; 3] = [1.1e-6, 8.4e-6, 2.1e-8];
 
 /// Bounds of strands whose tips are held. Measured 1.9e-7, 2.2e-5, 1.5e-7; margin 4.
@@ -48,7 +49,8 @@ fn apart(fixture: &Fixture, s: &Reference, w: &Scratch) -> Vec<[f64; 3]> {
     (0..s.hair.len()).map(of_strand).collect()
 }
 
-/// Both solvers, both integrators, every kind of end, slow and fast strands: moves, frames, strains, and what is counted.
+/// Both solvers, both integrators, every kind of end, slow and fast strands: moves, frames, strains, and what is
+/// counted.
 #[test]
 fn rods_are_those_of_the_reference() {
     for n in SIZES {
@@ -175,7 +177,8 @@ fn loose_strands_keep_their_momentum() {
     }
 }
 
-/// The incremental potential of each strand falls from where its solver starts to where it ends, in a breeze and in a storm.
+/// The incremental potential of each strand falls from where its solver starts to where it ends, in a breeze and in a
+/// storm.
 #[test]
 fn the_potential_falls_in_each_step() {
     for sets in [DRAG, NEWTON, GALE] {

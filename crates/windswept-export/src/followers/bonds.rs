@@ -40,7 +40,8 @@ impl<'a> Group<'a> {
         Self { strands, range, places, spacing, around }
     }
 
-    /// What a hair goes with whose root is there; it grows in the room of the strand `own`, or of the one whose root is nearest.
+    /// What a hair goes with whose root is there; it grows in the room of the strand `own`, or of the one whose root is
+    /// nearest.
     pub(super) fn bond(&self, root: Vec3, own: Option<usize>) -> Bond {
         let near: Vec<usize> = match own {
             Some(own) => {

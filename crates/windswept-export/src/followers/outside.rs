@@ -1,9 +1,10 @@
 //! Hairs that are kept out of bodies.
 //!
-//! A follower is an average of strands, and an average of hairs that go around a body can go through it. Such a follower is laid
-//! anew from its first point inside on, root to tip: each point goes where it was to be, as far from the point before it as it was,
-//! and from there to the nearest place outside that is as far. The follower keeps the lengths of its segments, lies on the body, and
-//! goes on behind it to where it was to be. Its root stays, and so does what comes before the first point inside.
+//! A follower is an average of strands, and an average of hairs that go around a body can go through it. Such a
+//! follower is laid anew from its first point inside on, root to tip: each point goes where it was to be, as far from
+//! the point before it as it was, and from there to the nearest place outside that is as far. The follower keeps the
+//! lengths of its segments, lies on the body, and goes on behind it to where it was to be. Its root stays, and so does
+//! what comes before the first point inside.
 
 use glam::{DVec3, Vec3};
 use windswept_scene::{Body, Shape};
@@ -14,8 +15,8 @@ const DEPTH: f64 = 1e-5;
 const STEPS: usize = 16;
 /// Halvings of the turn that leads out of a body where those steps do not.
 const HALVINGS: usize = 12;
-/// Part of a distance that is certain: the interpolant of a grid of distances can grow by more than a metre in a metre, by the square
-/// root of 3 at most.
+/// Part of a distance that is certain: the interpolant of a grid of distances can grow by more than a metre in a metre,
+/// by the square root of 3 at most.
 const CERTAIN: f64 = 0.5;
 
 /// Bodies at one time.

@@ -57,7 +57,8 @@ fn followers_are_rooted_on_the_shape() {
     }
 }
 
-/// The roots of a rigid body's motion carry every follower as the body: one within three guides exactly, velocity and all.
+/// The roots of a rigid body's motion carry every follower as the body: one within three guides exactly, velocity and
+/// all.
 #[test]
 fn a_rigid_motion_moves_followers_rigidly() {
     let roots = [[0.0, 0.0, 0.0], [0.02, 0.0, 0.0], [0.0, 0.0, 0.03], [0.05, 0.01, 0.05]];
@@ -103,8 +104,8 @@ fn a_rigid_motion_moves_followers_rigidly() {
     assert!(inside > 5, "{inside} are within the triangle");
 }
 
-/// Strands that part and turn unlike leave their followers the lengths of their segments, and velocities that are the rates at which
-/// the places change; roots go where the strands' do.
+/// Strands that part and turn unlike leave their followers the lengths of their segments, and velocities that are the
+/// rates at which the places change; roots go where the strands' do.
 #[test]
 fn followers_keep_the_lengths_of_their_segments() {
     let roots = [[0.0, 0.0, 0.0], [0.02, 0.0, 0.0], [0.0, 0.0, 0.03]];

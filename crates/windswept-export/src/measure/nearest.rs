@@ -5,7 +5,8 @@ use glam::DVec3;
 /// Number of neighbours.
 const FOUR: usize = 4;
 
-/// Distance [m] and index of the four nearest others of each point, one point after the other; of all others where they are fewer.
+/// Distance [m] and index of the four nearest others of each point, one point after the other; of all others where they
+/// are fewer.
 pub(super) fn nearest(points: &[DVec3]) -> Vec<(f64, usize)> {
     let count = FOUR.min(points.len().saturating_sub(1));
     let axis = longest_axis(points);

@@ -36,8 +36,8 @@ fn rotation(from: DVec3, to: DVec3) -> DVec3 {
 
 /// Turns of a curl about the chord, a vector of length 1.
 pub(super) fn turns(directions: &[DVec3], chord: DVec3) -> f64 {
-    // The bend at a point, seen along the chord. On a helix bends have one length, and each is turned from the last by the same angle; a
-    // chord that is not quite the axis changes that angle in second order only.
+    // The bend at a point, seen along the chord. On a helix bends have one length, and each is turned from the last by
+    // the same angle; a chord that is not quite the axis changes that angle in second order only.
     let bends: Vec<_> = directions.windows(2).map(|pair| (pair[1] - pair[0]).reject_from_normalized(chord)).collect();
     let pairs = || bends.windows(2).map(|pair| (pair[0], pair[1]));
     let sine: f64 = pairs().map(|(a, b)| a.cross(b).dot(chord)).sum();
@@ -47,7 +47,8 @@ pub(super) fn turns(directions: &[DVec3], chord: DVec3) -> f64 {
     if straight || step > TAU / 3.0 { 0.0 } else { directions.len() as f64 * step / TAU }
 }
 
-/// ∫|p|² ds [m] and ∫|dp/ds|² ds [1/m] over a strand, of the part p of its direction that is across the chord, a vector of length 1.
+/// ∫|p|² ds [m] and ∫|dp/ds|² ds [1/m] over a strand, of the part p of its direction that is across the chord, a vector
+/// of length 1.
 pub(super) fn undulation(points: &[DVec3], chord: DVec3) -> [f64; 2] {
     let segments = points.windows(2).map(|ends| ends[1] - ends[0]).filter(|segment| segment.length() > 0.0);
     let segments: Vec<_> = segments.map(|s| (s.length(), s.normalize().reject_from_normalized(chord))).collect();

@@ -132,7 +132,8 @@ fn strands_swing_apart() {
     near(found.swing_bundle_m, 0.0, 1e-8);
     near(found.swing_strands_m, 0.01 / 2f64.sqrt(), 1e-8);
     near(found.coherence.unwrap(), expected, 1e-6);
-    // The film's own velocities are taken where it has them; here those of another phase, which is that of the neighbours' neighbours.
+    // The film's own velocities are taken where it has them; here those of another phase, which is that of the
+    // neighbours' neighbours.
     let mut measure = Measure::new(MeasureOptions::default());
     for time in (0..60).map(|k| f64::from(k) / RATE) {
         let mut hair = hair(&film(time));
@@ -145,14 +146,16 @@ fn strands_swing_apart() {
     near(found.coherence.unwrap(), 0.5 * ((TAU / 4.0).cos() + (TAU / 2.0).cos()), 1e-5);
 }
 
-/// A wave that travels along strands has its wavelength, whatever its amplitude and wherever it ends; a bow has twice the length.
+/// A wave that travels along strands has its wavelength, whatever its amplitude and wherever it ends; a bow has twice
+/// the length.
 #[test]
 fn waves_have_their_length() {
     // The displacement a sin(k s − ω t) of a strand of any slope: its derivative is the sine of the direction.
     let wave = |slope: f64, waves: f64, time: f64| -> Strands {
         vec![plane(60, |part| (slope * (TAU * (waves * part - 5.0 * time)).cos()).asin())]
     };
-    // From the first segment to the last are 59/60 of the length. Measured 0.4 % more, of which segments that are not short take 0.4 %;
+    // From the first segment to the last are 59/60 of the length. Measured 0.4 % more, of which segments that are not
+    // short take 0.4 %;
     // 0.6 % less where waves are not whole; 0.8 % more for the bow.
     let check = |found: Measurement, waves: f64| {
         let expected = 59.0 / 60.0 * LENGTH / waves;

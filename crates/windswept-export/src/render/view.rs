@@ -16,7 +16,8 @@ use crate::followers::{Followers, Strand};
 const FILLED: f64 = 0.95;
 
 /// A camera in the world, and the size of its picture. Where the scene does not say where it stands, it sees all of the
-/// hair from where it starts to where it hangs and streams in the wind: from the side, wind from the left, a little from above and downwind.
+/// hair from where it starts to where it hangs and streams in the wind: from the side, wind from the left, a little
+/// from above and downwind.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
     /// The point where the camera stands \[m\].
@@ -32,8 +33,8 @@ pub struct View {
 }
 
 impl View {
-    /// The scene's camera, the same for every frame of a film; where the scene does not say where it stands, one that sees where
-    /// these strands may go from their start.
+    /// The scene's camera, the same for every frame of a film; where the scene does not say where it stands, one that
+    /// sees where these strands may go from their start.
     ///
     /// # Errors
     /// [`ExportError::Picture`] when the camera stands where it looks.
@@ -129,9 +130,9 @@ impl View {
     }
 }
 
-/// The room that a film of this strand may fill, as balls about points: its shape at the start, and its root and tip as gravity and
-/// each wind, and the time that it lasts \[s\], take them, all where its keyframes carry them. `unknown`: its fibres where the scene says
-/// nothing of them.
+/// The room that a film of this strand may fill, as balls about points: its shape at the start, and its root and tip as
+/// gravity and each wind, and the time that it lasts \[s\], take them, all where its keyframes carry them. `unknown`:
+/// its fibres where the scene says nothing of them.
 fn where_hair_goes(
     strand: &Strand<'_>,
     unknown: &Fibre,
@@ -157,7 +158,8 @@ fn where_hair_goes(
     // Hairs wave about their strands, and strands about where they hang.
     let margin = 0.04 * length;
     let segments = strand.points.len() - 1;
-    // How far hair gets toward where a wind has it, within the time that the wind lasts: it falls freely or goes with the air.
+    // How far hair gets toward where a wind has it, within the time that the wind lasts: it falls freely or goes with
+    // the air.
     let gravity = DVec3::from_array(scene.gravity);
     let part = |wind: DVec3, time: f64| (0.5 * gravity.length() * time * time).max(wind.length() * time) / length;
     let ways: Vec<_> = winds
@@ -183,7 +185,8 @@ fn where_hair_goes(
     });
 }
 
-/// Calls with what moves a point from where it is at the start \[m\] to where the hair's motion has it, at the start and at each keyframe.
+/// Calls with what moves a point from where it is at the start \[m\] to where the hair's motion has it, at the start
+/// and at each keyframe.
 fn for_each_pose(hair: Option<&Hair>, mut pose: impl FnMut(&dyn Fn(DVec3) -> DVec3)) {
     let Some(hair) = hair else { return pose(&|x| x) };
     let center = hair.center();
@@ -211,8 +214,8 @@ fn where_body_goes(body: &Body) -> impl Iterator<Item = DVec3> + '_ {
 }
 
 /// Direction of a strand at rest in the wind: its weight across itself is the drag across itself, with the drag model's
-/// C_d = 1 + 10 Re^(-2/3) on its fibres, or C_d = 1 on its parcels of air. Strands shelter each other, so that one feels
-/// about half of it. `None` where neither wind nor weight pulls.
+/// C_d = 1 + 10 Re^(-2/3) on its fibres, or C_d = 1 on its parcels of air. Strands shelter each other, so that one
+/// feels about half of it. `None` where neither wind nor weight pulls.
 fn streaming(fibre: &Fibre, length: f64, segments: usize, wind: DVec3, scene: &Scene) -> Option<DVec3> {
     let gravity = DVec3::from_array(scene.gravity);
     let weight = gravity.length()

@@ -81,11 +81,11 @@ impl Layout {
         let steps_group = root.create_group("Steps")?;
         let finished = steps_group.new_attr::<i64>().create("NSteps")?;
         // VTK reads all of Values into an array of NSteps numbers; one row more and it crashes. So Values is the only
-        // dataset that grows, within a chunk that is there from the start, filled, so that a full disk cannot come between
-        // the two before there are as many frames as a chunk has room for. (It has a first row, never read, before
-        // there is a frame, because without a row the chunk would be given up; and no cache, which would write the
-        // whole chunk for every row.) Made right after NSteps and before all else, its header lies right behind that
-        // number in the file, and HDF5 writes both at once: nor can a kill.
+        // dataset that grows, within a chunk that is there from the start, filled, so that a full disk cannot come
+        // between the two before there are as many frames as a chunk has room for. (It has a first row, never read,
+        // before there is a frame, because without a row the chunk would be given up; and no cache, which would write
+        // the whole chunk for every row.) Made right after NSteps and before all else, its header lies right behind
+        // that number in the file, and HDF5 writes both at once: nor can a kill.
         let times = steps_group
             .new_dataset::<f64>()
             .chunk(frames.clamp(1, CHUNK))
@@ -230,8 +230,9 @@ impl Layout {
 /// How every file is opened.
 fn options() -> FileBuilder {
     let mut options = File::with_options();
-    // The earliest format has no mark for "open for writing", which would make readers refuse a killed run's file. Without the sieve
-    // buffer a number is written as 8 bytes, not as the 64 kB around it; without a cache of chunks a row of Values as itself.
+    // The earliest format has no mark for "open for writing", which would make readers refuse a killed run's file.
+    // Without the sieve buffer a number is written as 8 bytes, not as the 64 kB around it; without a cache of chunks a
+    // row of Values as itself.
     options.with_fapl(|access| access.libver_earliest().sieve_buf_size(0).chunk_cache(0, 0, 1.0));
     options
 }

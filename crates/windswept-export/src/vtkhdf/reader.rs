@@ -54,8 +54,8 @@ impl VtkHdfReader {
         let finished = steps.attr("NSteps")?.read_scalar::<i64>()?.max(0) as usize;
         let values = steps.dataset("Values")?;
         let (frames, room) = (finished.min(values.size()), steps.dataset("PartOffsets")?.size());
-        // Values comes in chunks, so that HDF5 believes any length of it that a damaged file says, and walks through all of it as it drops
-        // times; that of the others must be in the file.
+        // Values comes in chunks, so that HDF5 believes any length of it that a damaged file says, and walks through
+        // all of it as it drops times; that of the others must be in the file.
         if values.size() > room.max(1) || values.chunk() != Some(vec![room.clamp(1, CHUNK)]) {
             return Err(format!("it has times of {} frames, and room for {room}", values.size()).into());
         }
@@ -238,7 +238,8 @@ mod tests {
     use super::*;
     use crate::{Provenance, VtkHdfWriter};
 
-    /// A file that says that it has times for terabytes is refused, before room is made for them or somebody walks through them.
+    /// A file that says that it has times for terabytes is refused, before room is made for them or somebody walks
+    /// through them.
     #[test]
     fn times_beyond_the_room_are_refused() {
         const MANY: u64 = 1 << 43;
@@ -250,7 +251,8 @@ mod tests {
         let mut writer = VtkHdfWriter::create(&path, Kind::Air, &frame, 3, &provenance).unwrap();
         writer.append(&frame).unwrap();
         writer.finish().unwrap();
-        // The bytes of the length of Values, now and at most, are changed in the file: HDF5 itself would make room on the disk for a longer one.
+        // The bytes of the length of Values, now and at most, are changed in the file: HDF5 itself would make room on
+        // the disk for a longer one.
         let lengths = |now: u64| [now, u64::MAX].map(u64::to_le_bytes).concat();
         let mut bytes = std::fs::read(&path).unwrap();
         let found: Vec<_> = (0..bytes.len()).filter(|&at| bytes[at..].starts_with(&lengths(1))).collect();

@@ -1,10 +1,12 @@
 //! The structures of a film, checked before libhdf5 follows them.
 //!
-//! libhdf5 1.14.6 trusts what a file says: a list of free space in a local heap that leads back to itself, and free space of no bytes in a
-//! global heap, are loops without end. So whatever leads to a film's numbers is followed here first. It must be of a kind that windswept
-//! writes, lie within the file, and share no byte with anything else: then no way leads in a circle, and all ways end.
+//! libhdf5 1.14.6 trusts what a file says: a list of free space in a local heap that leads back to itself, and free
+//! space of no bytes in a global heap, are loops without end. So whatever leads to a film's numbers is followed here
+//! first. It must be of a kind that windswept writes, lie within the file, and share no byte with anything else: then
+//! no way leads in a circle, and all ways end.
 //!
-//! Source: The HDF Group's "HDF5 File Format Specification Version 3.0": version 0 of the superblock, version 1 of B-trees and object headers.
+//! Source: The HDF Group's "HDF5 File Format Specification Version 3.0": version 0 of the superblock, version 1 of
+//! B-trees and object headers.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -16,8 +18,8 @@ use super::layout::CHUNK;
 /// What is wrong with a film, and at which byte.
 type Result<T = ()> = std::result::Result<T, String>;
 
-/// How a film starts: HDF5's signature, versions 0, 8 bytes for an address and for a length, the sizes of B-trees. Behind it a mark says
-/// whether the film was closed, which that of a killed run was not.
+/// How a film starts: HDF5's signature, versions 0, 8 bytes for an address and for a length, the sizes of B-trees.
+/// Behind it a mark says whether the film was closed, which that of a killed run was not.
 const START: &[u8] = b"\x89HDF\r\n\x1a\n\0\0\0\0\0\x08\x08\0\x04\0\x10\0";
 /// Most bytes of structures, the numbers of the frames aside: some 50 kB and the text of a scene, which has up to 1 MB.
 const MOST: u64 = 16 << 20;
@@ -211,7 +213,8 @@ impl Film {
         }
         let [size, mut free, start] = [number::<8>(&head, 8)?, number::<8>(&head, 16)?, number::<8>(&head, 24)?];
         let names = self.take("local heap", start, size)?;
-        // Each piece of free space says where the next is, the last one 1. In a circle there is more of it than of the heap.
+        // Each piece of free space says where the next is, the last one 1. In a circle there is more of it than of the
+        // heap.
         let mut left = size;
         while free != 1 {
             let (next, length) = (number::<8>(&names, free)?, number::<8>(&names, free.saturating_add(8))?);

@@ -16,7 +16,8 @@ pub(crate) const PROVENANCE: Provenance<'_> = Provenance {
     seed: u64::MAX,
 };
 
-/// Strands of 2, 5 and 3 points and 7 air particles; -0.0, the smallest subnormal and the largest f32 among the numbers.
+/// Strands of 2, 5 and 3 points and 7 air particles; -0.0, the smallest subnormal and the largest f32 among the
+/// numbers.
 pub(crate) fn frame(k: usize) -> Frame {
     let mut state = k as u32 + 1;
     let mut number = move || {

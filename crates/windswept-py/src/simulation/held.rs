@@ -1,4 +1,5 @@
-//! How Python holds the engine: behind a lock, the interpreter released while it works, in parts between which Python may stop.
+//! How Python holds the engine: behind a lock, the interpreter released while it works, in parts between which Python
+//! may stop.
 
 use std::{
     sync::{Mutex, MutexGuard, PoisonError, atomic::Ordering},
@@ -123,8 +124,8 @@ impl Simulation {
         if lock(&self.force).is_some() { Duration::ZERO } else { LENGTH }
     }
 
-    /// Asks the callback, if there is one, for the accelerations of the next step. The engine is free meanwhile, so that the callback
-    /// may look at the simulation.
+    /// Asks the callback, if there is one, for the accelerations of the next step. The engine is free meanwhile, so
+    /// that the callback may look at the simulation.
     fn ask_for_force(&self, py: Python<'_>) -> PyResult<()> {
         let Some(callback) = lock(&self.force).as_ref().map(|callback| callback.clone_ref(py)) else { return Ok(()) };
         let frame = self.run_engine(py, |sim| sim.frame())?;

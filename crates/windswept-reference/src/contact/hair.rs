@@ -1,13 +1,14 @@
-//! Contact of strands with bodies, solved with the rods. A place of a strand is one of its points, or the place of a segment that is nearest
-//! to a body. It has a contact with each body, a one-sided spring with Coulomb friction:
+//! Contact of strands with bodies, solved with the rods. A place of a strand is one of its points, or the place of a
+//! segment that is nearest to a body. It has a contact with each body, a one-sided spring with Coulomb friction:
 //!
 //! ```text
 //!   normal     f = λ − k (φ + D), where that is above 0     φ: distance after the step, k = max(100, h² Ω²)/W
 //!   friction   F = F_old − k slip, no longer than μ f_lag
 //! ```
-//! W is the move of the place by a unit of force, D the depth that the place may keep in this step: what starts inside comes out at
-//! `RECOVERY`. The multiplier λ is f of the step before, or of the last Newton step that settled with more than `ALLOW` left open: at rest
-//! the spring carries nothing, and the gap is 0 (augmented Lagrangian; Hestenes 1969). The way of a place is seen from the body: from where the body carries it to where it goes.
+//! W is the move of the place by a unit of force, D the depth that the place may keep in this step: what starts inside
+//! comes out at `RECOVERY`. The multiplier λ is f of the step before, or of the last Newton step that settled with more
+//! than `ALLOW` left open: at rest the spring carries nothing, and the gap is 0 (augmented Lagrangian; Hestenes 1969).
+//! The way of a place is seen from the body: from where the body carries it to where it goes.
 
 use glam::{DMat3, DVec3};
 
@@ -148,8 +149,9 @@ pub fn memories(m: &rods::Moving) -> Vec<Memory> {
     m.point_contacts.iter().chain(&m.segment_contacts).map(kept).collect()
 }
 
-/// Finds how strands stand to the bodies as the step begins: what their contacts remember, whether they may meet a body, whether one that
-/// moves wakes them, how many points bodies let be, from a root on that is held inside, and whether others are deep in a body.
+/// Finds how strands stand to the bodies as the step begins: what their contacts remember, whether they may meet a
+/// body, whether one that moves wakes them, how many points bodies let be, from a root on that is held inside, and
+/// whether others are deep in a body.
 pub fn contacts(s: &State, w: &mut Scratch, p: &Parameters) {
     let (bodies, count) = (&w.moving.bodies, w.moving.bodies.len());
     let memory = |i: usize| s.contacts.get(i).copied().unwrap_or_default();
@@ -215,8 +217,9 @@ fn recall(p: &Parameters, memory: Memory, body: &Placed, start: Surface, forgets
     Contact { friction, held: friction, force, lag: force, multiplier: force, ..contact }
 }
 
-/// The contact of a place that is to go `ahead`. To one whose way leads far through a body the body is the plane that touches it where the
-/// way enters: no body is nearer than its distance says, so the search goes on by that (Hart 1996, Sphere tracing).
+/// The contact of a place that is to go `ahead`. To one whose way leads far through a body the body is the plane that
+/// touches it where the way enters: no body is nearer than its distance says, so the search goes on by that (Hart 1996,
+/// Sphere tracing).
 fn flattened(contact: Contact, body: &Placed, ahead: &Place) -> Contact {
     let (base, way, radius) = (body.carried(ahead.start), ahead.way(body), body.body.shape.inradius());
     let far = way.length();
@@ -254,8 +257,9 @@ pub(crate) struct Nearest {
     pub surface: Surface,
 }
 
-/// Finds where a segment is nearest to a body with these normals at its ends: as the step starts by regula falsi on the slope of the distance
-/// along it, from the place that it had; later anew, where the slopes at the ends say that it moved. A place to which the body is a plane stays.
+/// Finds where a segment is nearest to a body with these normals at its ends: as the step starts by regula falsi on the
+/// slope of the distance along it, from the place that it had; later anew, where the slopes at the ends say that it
+/// moved. A place to which the body is a plane stays.
 pub(crate) fn nearest(last: &Contact, body: &Placed, [a, b]: [Place; 2], normals: [DVec3; 2], starts: bool) -> Nearest {
     let chord = b.end() - a.end();
     let along = chord / chord.length();
@@ -293,8 +297,8 @@ pub(crate) fn renewed(p: &Parameters, last: &Contact) -> Contact {
     Contact { lag, multiplier: if open { lag } else { last.multiplier }, ..*last }
 }
 
-/// Whether a place at this distance takes more than a step to come out. The body is a plane without friction to it: farther in, the nearest
-/// surface may be another one at each place.
+/// Whether a place at this distance takes more than a step to come out. The body is a plane without friction to it:
+/// farther in, the nearest surface may be another one at each place.
 fn is_deep(p: &Parameters, distance: f64) -> bool {
     distance < -RECOVERY * p.step
 }

@@ -1,14 +1,16 @@
-//! Coarse solve for the pressure: what a few iterations do not reach, in one stroke, on nodes about three spacings apart.
+//! Coarse solve for the pressure: what a few iterations do not reach, in one stroke, on nodes about three spacings
+//! apart.
 //!
 //! ```text
 //!   r_n  = Σ_i φ_n(x_i) s_i/max(1, θ_i)                       φ_n: product of a quadratic B-spline along each axis
 //!   ĉ(k) = r̂(k)/S(k), ĉ(0) = 0                               S: Σ_i ∇φ_m · ∇φ_n for particles spread evenly
 //!   q_i  = −σ Σ_n c_n ∇φ_n(x_i),  v_i += p (q_i − mean of q)  σ = min(1, d/(U Δt))
 //! ```
-//! The pressure around an obstacle stands still while λ travels with the particles: without the coarse solve it lags. Air is
-//! pushed by the gradient of c itself and not by the transpose of the divergence, since among disordered particles that of a
-//! constant is not zero: forces of a pair are not opposite here, and the mean is taken out instead. Nor does such a push always
-//! take energy from the air, so that only the part p of it is made that does. c is not kept.
+//! The pressure around an obstacle stands still while λ travels with the particles: without the coarse solve it lags.
+//! Air is pushed by the gradient of c itself and not by the transpose of the divergence, since among disordered
+//! particles that of a constant is not zero: forces of a pair are not opposite here, and the mean is taken out instead.
+//! Nor does such a push always take energy from the air, so that only the part p of it is made that does. c is not
+//! kept.
 
 use std::f64::consts::TAU;
 
@@ -30,8 +32,8 @@ const WALL: f64 = 1.25;
 /// Sites along each axis of a cell, at which bodies are asked for.
 const SITES: usize = 3;
 
-/// Sum r_n of the divergences `rate` \[1/s\] of air at every node, x first. Where air is dense it counts once; at a surface,
-/// where pressure does not pull, only what is compressed counts.
+/// Sum r_n of the divergences `rate` \[1/s\] of air at every node, x first. Where air is dense it counts once; at a
+/// surface, where pressure does not pull, only what is compressed counts.
 #[must_use]
 pub fn coarse_deposit(p: &Parameters, x: &[DVec3], v: &[DVec3], rate: &[f64], moments: &[Moments]) -> Vec<f64> {
     let mut sums = vec![0.0; p.coarse_nodes.iter().product()];
@@ -43,17 +45,17 @@ pub fn coarse_deposit(p: &Parameters, x: &[DVec3], v: &[DVec3], rate: &[f64], mo
     sums
 }
 
-/// Divergence that a particle of velocity `v` brings to the grid \[1/s\]. A wall's part counts 1.25 times: a box full of air sends only
-/// 1/2 to 2/3 of a layer of sources outward.
+/// Divergence that a particle of velocity `v` brings to the grid \[1/s\]. A wall's part counts 1.25 times: a box full
+/// of air sends only 1/2 to 2/3 of a layer of sources outward.
 #[must_use]
 pub fn source(rate: f64, moments: &Moments, v: DVec3) -> f64 {
     let (density, rate) = (moments.density, rate - (WALL - 1.0) * (moments.wall.dot(v) - moments.wall_rate));
     if density < THIN { rate.max(0.0) } else { rate / density.max(1.0) }
 }
 
-/// Hartley transform of the values on the nodes, Σ_m r_m cas(2π k_x m_x/n_x) cas(2π k_y m_y/n_y) cas(2π k_z m_z/n_z) with
-/// cas t = cos t + sin t, which the engine solves by (Bracewell 1983): from Fourier's, whose real part it is along each axis less
-/// the imaginary one.
+/// Hartley transform of the values on the nodes, Σ_m r_m cas(2π k_x m_x/n_x) cas(2π k_y m_y/n_y) cas(2π k_z m_z/n_z)
+/// with cas t = cos t + sin t, which the engine solves by (Bracewell 1983): from Fourier's, whose real part it is along
+/// each axis less the imaginary one.
 #[must_use]
 pub fn coarse_waves(p: &Parameters, values: &[f64]) -> Vec<f64> {
     (0..3).fold(values.to_vec(), |values, axis| {
@@ -63,8 +65,9 @@ pub fn coarse_waves(p: &Parameters, values: &[f64]) -> Vec<f64> {
     })
 }
 
-/// Coefficients c_n of the coarse pressure \[m²/s\] from what was deposited: the equations of all nodes are solved, wave
-/// by wave, for air that fills the box. Where a body or a hole leaves it out c is too small, and so it stays stable.
+/// Coefficients c_n of the coarse pressure \[m²/s\] from what was deposited: the equations of all nodes are solved,
+/// wave by wave, for air that fills the box. Where a body or a hole leaves it out c is too small, and so it stays
+/// stable.
 #[must_use]
 pub fn coarse_solve(p: &Parameters, deposited: &[f64]) -> Vec<f64> {
     let nodes = p.coarse_nodes;
@@ -112,7 +115,8 @@ pub struct Solid {
     pub work: f64,
 }
 
-/// What the coarse pressure would change each body by, from the sites of a lattice that lie in it, and in no body before it.
+/// What the coarse pressure would change each body by, from the sites of a lattice that lie in it, and in no body
+/// before it.
 #[must_use]
 pub fn coarse_solid(p: &Parameters, placed: &[Placed], pressure: &[f64]) -> Vec<Solid> {
     let mut solids = vec![Solid::default(); placed.len()];
@@ -134,15 +138,16 @@ pub fn coarse_solid(p: &Parameters, placed: &[Placed], pressure: &[f64]) -> Vec<
     solids
 }
 
-/// Impulses of the coarse pressure on bodies, over the mass of an air particle \[m/s\], with all that BDF2 makes of them.
+/// Impulses of the coarse pressure on bodies, over the mass of an air particle \[m/s\], with all that BDF2 makes of
+/// them.
 #[must_use]
 pub fn coarse_impulse(solids: &[Solid], mean: DVec3, part: f64) -> Vec<DVec3> {
     solids.iter().map(|solid| LASTING * part * (solid.change - solid.particles * mean)).collect()
 }
 
-/// Mean of the changes q of the velocities of air and bodies \[m/s\], and the part p of what is left of them that air of velocities `v` gets:
-/// p = 1.15 a/b, from 0 to 1, with a = −Σ (q − mean of q) · v over air and bodies and b = Σ |q − mean of q|² over air. A change of p q changes
-/// the energy by m (−p a + p² b/2), with the work on bodies.
+/// Mean of the changes q of the velocities of air and bodies \[m/s\], and the part p of what is left of them that air
+/// of velocities `v` gets: p = 1.15 a/b, from 0 to 1, with a = −Σ (q − mean of q) · v over air and bodies and b = Σ |q
+/// − mean of q|² over air. A change of p q changes the energy by m (−p a + p² b/2), with the work on bodies.
 #[must_use]
 pub fn coarse_mean(p: &Parameters, v: &[DVec3], change: &[DVec3], solids: &[Solid]) -> (DVec3, f64) {
     let air = (change.len() - p.hair_points) as f64;

@@ -4,8 +4,8 @@ use glam::DVec3;
 
 use crate::{Parameters, State, neighbours::Neighbours, sph_kernels::spiky_slope};
 
-/// Stiffness of the grip, over the largest that one step bears: with it a point that sticks comes to rest without swinging,
-/// whatever share of the friction is its own.
+/// Stiffness of the grip, over the largest that one step bears: with it a point that sticks comes to rest without
+/// swinging, whatever share of the friction is its own.
 pub const STIFFNESS: f64 = 0.25;
 
 /// What friction asks of a hair point.
@@ -19,8 +19,8 @@ pub struct FrictionPoint {
     pub multiplier: f64,
 }
 
-/// What friction asks of hair point `i`. The constraint has moved the point by `correction` \[m\] in this step. What rod and
-/// gravity do to the point is taken from its last step awake.
+/// What friction asks of hair point `i`. The constraint has moved the point by `correction` \[m\] in this step. What
+/// rod and gravity do to the point is taken from its last step awake.
 #[must_use]
 pub fn slip(p: &Parameters, s: &State, i: usize, correction: DVec3, multiplier: f64) -> FrictionPoint {
     let ahead = s.velocity[i] + s.own[i] + correction / p.step;
@@ -52,8 +52,8 @@ pub fn normal_impulse(
     (0..p.hair_points).map(|i| inverse_mass[i] * sum(i)).collect()
 }
 
-/// Change of the velocity of each hair point by friction \[m/s\], and its next grip \[m/s\]. The impulses are equal and opposite
-/// between points of different strands, across the line that joins them:
+/// Change of the velocity of each hair point by friction \[m/s\], and its next grip \[m/s\]. The impulses are equal and
+/// opposite between points of different strands, across the line that joins them:
 ///
 /// ```text
 ///   J_ij = −k_ij u_ij,  k_ij = min(p_ij/(P_i + P_j), μ p_ij/|u_ij|)   u: what of the difference of pulls is normal to x_i − x_j
@@ -61,10 +61,10 @@ pub fn normal_impulse(
 ///   g_i ← c_i (g_i + w_i Σ_j k_ij s_ij)                               s: of the velocities of the last step, as u of pulls
 ///   c_i  = Σ_j k_ij / Σ_j p_ij/(P_i + P_j)                            1 where all pairs stick, towards 0 where they slide
 /// ```
-/// The first term of k_ij is the largest with which friction cannot overshoot, whatever the masses: with it the impulses of
-/// all pairs take no more from any relative motion than there is. The second term is Coulomb's cap (Macklin et al. 2014,
-/// eq. 24), with the constraint's own impulse for the depth. The grip g is the spring of Cundall & Strack (1979), kept by
-/// points instead of pairs: it holds what sticks where it is, and what slides lets go of it.
+/// The first term of k_ij is the largest with which friction cannot overshoot, whatever the masses: with it the
+/// impulses of all pairs take no more from any relative motion than there is. The second term is Coulomb's cap (Macklin
+/// et al. 2014, eq. 24), with the constraint's own impulse for the depth. The grip g is the spring of Cundall & Strack
+/// (1979), kept by points instead of pairs: it holds what sticks where it is, and what slides lets go of it.
 #[must_use]
 pub fn friction(
     p: &Parameters,

@@ -1,12 +1,13 @@
-//! Pressure of solver `divergence`: the velocity of air, and with the model `particles` of hair among it, has no divergence.
+//! Pressure of solver `divergence`: the velocity of air, and with the model `particles` of hair among it, has no
+//! divergence.
 //!
 //! ```text
 //!   s_i  = Σ_j V_j (v_i − v_j) · B_i g_ij                    dθ/dt: where it is positive, air is compressed
 //!   Δv_i = w_i Σ_j (λ_i V_j B_i + λ_j V_i B_j) g_ij          its transpose: equal and opposite in m Δv, whatever B is
 //!   g_ij = ∇_i W(x_i − x_j) by Spiky, w = m_air/m            V volume [m³], B corrects the gradients of a disordered sum
 //! ```
-//! Jacobi iterations find λ, which starts from the step before. Air goes on by BDF2: what pressure changed its velocity by
-//! in the last step, `change`, is all that it remembers, since what acts from outside changes v_n and v_{n−1} alike.
+//! Jacobi iterations find λ, which starts from the step before. Air goes on by BDF2: what pressure changed its velocity
+//! by in the last step, `change`, is all that it remembers, since what acts from outside changes v_n and v_{n−1} alike.
 
 use glam::{DMat3, DVec3};
 use windswept_scene::Model;
@@ -24,8 +25,8 @@ use crate::{
 
 /// Most of the way U Δt/d in a step by which particles are spread: with 0.1 strong eddies crowd air more and more.
 const MAX_BY_WAY: f64 = 0.065;
-/// Most of the deformation |G| Δt of the flow in a step by which particles are spread in a scene without wind, where air that
-/// whirls would clump. Where wind blows it would move them across the shear behind hair.
+/// Most of the deformation |G| Δt of the flow in a step by which particles are spread in a scene without wind, where
+/// air that whirls would clump. Where wind blows it would move them across the shear behind hair.
 const BY_DEFORMATION: f64 = 0.05;
 /// Way \[particle spacings\] or deformation in 1.38 ms below which air is still; from twice that on it is not.
 const STILL: f64 = 1e-3;
@@ -81,8 +82,8 @@ pub struct Moments {
     pub fed_back: f64,
 }
 
-/// Projects the velocities of air onto those without divergence, with the model `particles` those of hair as well: it gets
-/// the impulse that pressure has over time.
+/// Projects the velocities of air onto those without divergence, with the model `particles` those of hair as well: it
+/// gets the impulse that pressure has over time.
 pub(super) fn run(s: &State, w: &mut Scratch, p: &Parameters) {
     let (mass, volume) = (&s.inverse_mass, &s.volume);
     let deformation = deform(p, &w.predicted, &w.new_velocity, volume, &w.near);
@@ -131,16 +132,16 @@ fn solve(s: &State, w: &mut Scratch, p: &Parameters, before: &[DVec3]) {
     }
 }
 
-/// Adds the impulses of multipliers `lambda` on bodies \[m/s\]: a body gets what its wall pushes a particle by, and what BDF2 makes of that in
-/// the steps after.
+/// Adds the impulses of multipliers `lambda` on bodies \[m/s\]: a body gets what its wall pushes a particle by, and
+/// what BDF2 makes of that in the steps after.
 pub fn give_bodies(w: &mut Scratch, lambda: &[f64]) {
     for ((wall, moments), lambda) in w.walls.iter_mut().zip(&w.moments).zip(lambda) {
         wall.impulse += LASTING * lambda * moments.wall;
     }
 }
 
-/// Moves air by what pressure changed differently from the step before, for half a step: x += ½ Δt (a − a_before). In a scene with bodies
-/// air goes by the mean of its velocities before and after a step.
+/// Moves air by what pressure changed differently from the step before, for half a step: x += ½ Δt (a − a_before). In a
+/// scene with bodies air goes by the mean of its velocities before and after a step.
 pub fn path(s: &State, w: &mut Scratch, p: &Parameters) {
     if has_walls(p) {
         for i in p.hair_points..w.predicted.len() {
@@ -149,8 +150,8 @@ pub fn path(s: &State, w: &mut Scratch, p: &Parameters) {
     }
 }
 
-/// Gives air beside bodies the velocity that it starts with, before the first step: without divergence, and along the bodies. No time
-/// passes.
+/// Gives air beside bodies the velocity that it starts with, before the first step: without divergence, and along the
+/// bodies. No time passes.
 pub fn begin(s: &mut State, p: &Parameters) {
     if !has_walls(p) {
         return;
@@ -188,13 +189,13 @@ fn gradient(p: &Parameters, i: usize, j: usize, x: &[DVec3]) -> DVec3 {
 
 /// Moves δ of air that keep particles apart, and that velocity never sees \[m\]; 0 for hair.
 ///
-/// δ_i = −h² min(0.065, f U Δt/d) Σ_j V_j g_ij, |δ_i| ≤ d/4, with the scene's share f, its largest wind U, or the particle's own speed where
-/// that is more. Without wind min(0.05, |G_i| Δt) takes the place of f U Δt/d where it is more, by the `deformation` of [`deform`],
-/// and where air is still so does the unevenness h |Σ_j V_j g_ij| min(1, 725 Δt/s), but with the model `particles`, where hair takes the place of air:
-/// air that is still and crowded would stay so.
-/// Bodies add −P n to the sum, and beside them the share is at least 0.12 of the way in a step.
-/// It goes with Δt, so that its diffusion |δ|²/2Δt vanishes with the step. A particle that lies on others leaves the last of them
-/// in a direction of chance.
+/// δ_i = −h² min(0.065, f U Δt/d) Σ_j V_j g_ij, |δ_i| ≤ d/4, with the scene's share f, its largest wind U, or the
+/// particle's own speed where that is more. Without wind min(0.05, |G_i| Δt) takes the place of f U Δt/d where it is
+/// more, by the `deformation` of [`deform`], and where air is still so does the unevenness h |Σ_j V_j g_ij| min(1, 725
+/// Δt/s), but with the model `particles`, where hair takes the place of air: air that is still and crowded would stay
+/// so. Bodies add −P n to the sum, and beside them the share is at least 0.12 of the way in a step. It goes with Δt, so
+/// that its diffusion |δ|²/2Δt vanishes with the step. A particle that lies on others leaves the last of them in a
+/// direction of chance.
 #[must_use]
 pub fn spread(
     p: &Parameters,
@@ -245,8 +246,8 @@ pub fn deform(p: &Parameters, x: &[DVec3], v: &[DVec3], volume: &[f64], near: &N
     (0..x.len()).map(|i| if p.is_air(i) { each(i) } else { 0.0 }).collect()
 }
 
-/// XSPH coefficient c = 22 (C d/h)² |G_i| Δt of eddies smaller than the spacing d, ν = (C d)² |G_i| (Smagorinsky 1963), at most 0.25,
-/// from a deformation |G_i| Δt.
+/// XSPH coefficient c = 22 (C d/h)² |G_i| Δt of eddies smaller than the spacing d, ν = (C d)² |G_i| (Smagorinsky 1963),
+/// at most 0.25, from a deformation |G_i| Δt.
 #[must_use]
 pub fn eddies(p: &Parameters, deformation: f64) -> f64 {
     (p.viscosity_eddies * deformation).min(MAX_EDDIES)
@@ -261,7 +262,8 @@ fn outer(a: DVec3, b: DVec3) -> DMat3 {
 /// M_i = −sym Σ_j V_j g_ij ⊗ (x_i − x_j) + 0.02, or 1 where M is nearly singular; and
 /// a_i = w_i |Σ_j V_j B_i g_ij|² + Σ_j w_j V_j² |B_i g_ij|² + α, α the softening of the density constraint.
 ///
-/// A wall adds Ψ to θ, 2 P φ n nᵀ to M, and −k n to the first sum of a, with k = 2 P n · B n: the factor is that of the mirror image.
+/// A wall adds Ψ to θ, 2 P φ n nᵀ to M, and −k n to the first sum of a, with k = 2 P n · B n: the factor is that of the
+/// mirror image.
 #[must_use]
 pub fn moments(
     p: &Parameters,
@@ -313,8 +315,8 @@ fn inverse(moment: DMat3) -> DMat3 {
     if inverse.x_axis.x + inverse.y_axis.y + inverse.z_axis.z > LARGEST_TRACE { DMat3::IDENTITY } else { inverse }
 }
 
-/// What a particle takes along from the last step: λ, and of air a third of what pressure changed its velocity by. At a surface
-/// pressure does not pull.
+/// What a particle takes along from the last step: λ, and of air a third of what pressure changed its velocity by. At a
+/// surface pressure does not pull.
 #[must_use]
 pub fn start(p: &Parameters, i: usize, moments: &Moments, last: &Pressed) -> Pressed {
     Pressed {
@@ -323,7 +325,8 @@ pub fn start(p: &Parameters, i: usize, moments: &Moments, last: &Pressed) -> Pre
     }
 }
 
-/// Change Δv_i = w_i (Σ_j (λ_i V_j B_i + λ_j V_i B_j) g_ij − λ_i k n) of every particle's velocity by multipliers λ \[m/s\].
+/// Change Δv_i = w_i (Σ_j (λ_i V_j B_i + λ_j V_i B_j) g_ij − λ_i k n) of every particle's velocity by multipliers λ
+/// \[m/s\].
 #[must_use]
 pub fn push(
     p: &Parameters,
@@ -345,8 +348,8 @@ pub fn push(
     (0..x.len()).map(each).collect()
 }
 
-/// Rate s_i = Σ_j V_j (v_i − v_j) · B_i g_ij − k (v_i − v_b) · n at which air is compressed at every particle, and beside bodies the rate at
-/// which its density error is to flow out \[1/s\].
+/// Rate s_i = Σ_j V_j (v_i − v_j) · B_i g_ij − k (v_i − v_b) · n at which air is compressed at every particle, and
+/// beside bodies the rate at which its density error is to flow out \[1/s\].
 #[must_use]
 pub fn divergence(
     p: &Parameters,
@@ -364,8 +367,8 @@ pub fn divergence(
     (0..x.len()).map(each).collect()
 }
 
-/// Increment μ = −ω p s/a of a multiplier λ \[m²/s\] of a particle that takes this part p of a divergence; at a surface λ + μ is no more
-/// than 0.
+/// Increment μ = −ω p s/a of a multiplier λ \[m²/s\] of a particle that takes this part p of a divergence; at a surface
+/// λ + μ is no more than 0.
 #[must_use]
 pub fn relax(omega: f64, part: f64, rate: f64, moments: &Moments, lambda: f64) -> f64 {
     let increment = -omega * part * rate / (moments.diagonal * (CROWD * moments.density).max(1.0));
@@ -373,8 +376,8 @@ pub fn relax(omega: f64, part: f64, rate: f64, moments: &Moments, lambda: f64) -
 }
 
 /// Relaxations ω of the iterations. What they leave of a divergence, Π (1 − ω μ) with μ an eigenvalue of a⁻¹ D Dᵀ, is
-/// between 0 and 1 up to μ = 4.5: λ starts from the step before, and an iteration that overshot would swing from step to step.
-/// So roots come in pairs, in the middle of 4.5/4 and 4.5, and an odd one stands at 4.5.
+/// between 0 and 1 up to μ = 4.5: λ starts from the step before, and an iteration that overshot would swing from step
+/// to step. So roots come in pairs, in the middle of 4.5/4 and 4.5, and an odd one stands at 4.5.
 #[must_use]
 pub fn relaxations(iterations: u32) -> Vec<f64> {
     let middle = |from: f64, to: f64| 2.0 / (from + to);

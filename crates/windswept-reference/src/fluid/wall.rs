@@ -1,8 +1,8 @@
 //! Walls: what bodies are to the air near them, for solver `divergence`.
 //!
-//! A body is a plane at the distance φ of its nearest surface, with that surface's normal n. The air's sums lack the parts of the kernels
-//! beyond the plane, P of Spiky's gradient and Ψ of Poly6, which are integrals of φ alone. Beyond it the air sees its mirror image: as dense,
-//! and with its normal velocity reversed about that of the body.
+//! A body is a plane at the distance φ of its nearest surface, with that surface's normal n. The air's sums lack the
+//! parts of the kernels beyond the plane, P of Spiky's gradient and Ψ of Poly6, which are integrals of φ alone. Beyond
+//! it the air sees its mirror image: as dense, and with its normal velocity reversed about that of the body.
 
 use glam::DVec3;
 use windswept_scene::{FluidSolver, Model};
@@ -15,7 +15,8 @@ use crate::{
 
 /// Least distance of air from a surface \[particle spacings\].
 pub const CLEARANCE: f64 = 0.4;
-/// Distance from a body up to which density errors are fed back in full, and from twice which on they are not \[particle spacings\].
+/// Distance from a body up to which density errors are fed back in full, and from twice which on they are not
+/// \[particle spacings\].
 const NEAR: f64 = 4.0;
 
 /// The nearest surface to a particle.
@@ -73,8 +74,8 @@ pub fn wall(p: &Parameters, near: Nearest, speed: f64) -> Wall {
     Wall { normal, distance, velocity, way, body, impulse: DVec3::ZERO }
 }
 
-/// Moves air that is nearer to a body than its clearance out of it, and finds the wall at each particle that pressure acts on; none
-/// in a scene without walls.
+/// Moves air that is nearer to a body than its clearance out of it, and finds the wall at each particle that pressure
+/// acts on; none in a scene without walls.
 pub fn walls(w: &mut Scratch, p: &Parameters) {
     w.walls.clear();
     if !has_walls(p) {

@@ -82,16 +82,16 @@ fn blown(field: &Field, strength: f64, place: DVec3) -> (DVec3, f64) {
     (weight * strength * wind, weight * strength.abs() / field.uptake)
 }
 
-/// Wind Σ u_f of all fields at a place in step number `steps` \[m/s\], beside the mean wind, and the rate Σ w_f |S_f|/uptake_f at
-/// which they draw air to both \[1/s\].
+/// Wind Σ u_f of all fields at a place in step number `steps` \[m/s\], beside the mean wind, and the rate Σ w_f
+/// |S_f|/uptake_f at which they draw air to both \[1/s\].
 #[must_use]
 pub fn force_field_velocity(p: &Parameters, steps: u64, place: DVec3) -> (DVec3, f64) {
     let all = p.fields.iter().map(|field| blown(field, field_strengths(p, field, steps + 1), place));
     all.fold((DVec3::ZERO, 0.0), |sum, (wind, rate)| (sum.0 + wind, sum.1 + rate))
 }
 
-/// Change of the velocity of air by the fields in step number `steps` \[m/s\], (1 − e^{−kΔt})(U + Σ u_f − v), k the rate; `velocity`
-/// has what the wind has added already.
+/// Change of the velocity of air by the fields in step number `steps` \[m/s\], (1 − e^{−kΔt})(U + Σ u_f − v), k the
+/// rate; `velocity` has what the wind has added already.
 #[must_use]
 pub fn drive_air(p: &Parameters, steps: u64, position: DVec3, velocity: DVec3) -> DVec3 {
     let (wind, rate) = force_field_velocity(p, steps, position);

@@ -11,8 +11,8 @@ const WORLD: f64 = 1e9;
 /// What the square of a frame's length is not off 1 by.
 const UNLIKE: f64 = 0.1;
 
-/// Resets strands before anything else looks at them: those that the step before left bad, and those that are invalid, which are bad
-/// from here on. Returns the number of the invalid.
+/// Resets strands before anything else looks at them: those that the step before left bad, and those that are invalid,
+/// which are bad from here on. Returns the number of the invalid.
 pub fn recover(s: &mut State) -> usize {
     let mut invalid = 0;
     for strand in 0..s.hair.len() {
@@ -52,7 +52,8 @@ fn in_reach(s: &State, strand: usize, root: DVec3, place: DVec3) -> bool {
     place.distance(root) <= FAR * length
 }
 
-/// Resets a strand: it is unrolled from its clamp into its rest shape, at rest and with no memory; a tip that is held stays.
+/// Resets a strand: it is unrolled from its clamp into its rest shape, at rest and with no memory; a tip that is held
+/// stays.
 pub fn reset(s: &mut State, strand: usize) {
     let (points, root) = (s.hair.points(strand), root(s, strand));
     let (mut place, mut frame) = (root, s.clamps[strand].1);

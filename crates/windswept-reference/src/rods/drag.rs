@@ -6,7 +6,8 @@ use windswept_scene::{Model, Strands};
 use super::{Drive, Load, Moving, Point, STORMY};
 use crate::{Parameters, neighbours::Neighbours, sph_kernels::poly6, state, step::Scratch};
 
-/// Part of the mean wind that a hair point feels where the air is this thin, ρ/ρ0: below it air counts by what is there.
+/// Part of the mean wind that a hair point feels where the air is this thin, ρ/ρ0: below it air counts by what is
+/// there.
 const THIN: f64 = 0.5;
 /// Width of the strip of air that a strand slows, in kernel radii: fitted to fixed strands of 10 to 1000 fibres.
 const WAKE: f64 = 1.3;
@@ -41,14 +42,15 @@ pub fn undisturbed_part(local: &Local) -> f64 {
     1.0 - local.filled.min(THIN) / THIN
 }
 
-/// Weight w_ij = V_j W(y_i − x_j)/max(θ_i, 1/2) with which an air particle of `volume` at `position` counts for a hair point.
+/// Weight w_ij = V_j W(y_i − x_j)/max(θ_i, 1/2) with which an air particle of `volume` at `position` counts for a hair
+/// point.
 #[must_use]
 pub fn weight(p: &Parameters, local: &Local, position: DVec3, volume: f64) -> f64 {
     volume * poly6((local.position - position).length(), p.kernel_radius) / local.filled.max(THIN)
 }
 
-/// Air at every hair point, after the density constraint: θ_i = Σ_j V_j W, u_i = Σ_j w_ij v_j + (1 − Σ_j w_ij) U over air,
-/// G_i = Σ_k W/ρ0 over hair, itself included.
+/// Air at every hair point, after the density constraint: θ_i = Σ_j V_j W, u_i = Σ_j w_ij v_j + (1 − Σ_j w_ij) U over
+/// air, G_i = Σ_k W/ρ0 over hair, itself included.
 #[must_use]
 pub fn sample_air(
     p: &Parameters,
@@ -71,8 +73,8 @@ pub fn sample_air(
     (0..p.hair_points).map(each).collect()
 }
 
-/// Change of each air particle's velocity by hair \[m/s\]: v_j −= Σ_i w_ij J_i/m_j over hair, with the weights that the air was
-/// sampled with; `impulse` J per hair point \[N s\].
+/// Change of each air particle's velocity by hair \[m/s\]: v_j −= Σ_i w_ij J_i/m_j over hair, with the weights that the
+/// air was sampled with; `impulse` J per hair point \[N s\].
 #[must_use]
 pub fn react(
     p: &Parameters,
@@ -90,8 +92,8 @@ pub fn react(
     (p.hair_points..x.len()).map(given).collect()
 }
 
-/// Adds the drag of the air to the load of each hair point, each strand's where its own step takes it. A strand that the air
-/// resists by more than BDF2 bears takes Euler.
+/// Adds the drag of the air to the load of each hair point, each strand's where its own step takes it. A strand that
+/// the air resists by more than BDF2 bears takes Euler.
 pub(super) fn act(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
     let (mut loads, mut limited) = taken(s, w, p);
     let calm = |strand: usize| follows_wind(p, &s.hair, strand, &w.drives[strand], &w.moving, &loads);
@@ -112,11 +114,11 @@ fn taken(s: &state::State, w: &Scratch, p: &Parameters) -> (Vec<Load>, usize) {
     drag(p, &s.hair, &w.local, &x, &v)
 }
 
-/// Place where the drag of a point is taken, and the velocity that it is taken with: in a step of BDF2 x_n + Δt (3/2 v_n − 1/2 v_{n−1}) and
-/// 2 v_n − v_{n−1}, in one of Euler x_n and v_n.
+/// Place where the drag of a point is taken, and the velocity that it is taken with: in a step of BDF2 x_n + Δt (3/2
+/// v_n − 1/2 v_{n−1}) and 2 v_n − v_{n−1}, in one of Euler x_n and v_n.
 ///
-/// Drag that is taken at the step's start is of first order, and hair in a storm flutters under BDF2. Under Euler hair stands
-/// still only where nothing is extrapolated.
+/// Drag that is taken at the step's start is of first order, and hair in a storm flutters under BDF2. Under Euler hair
+/// stands still only where nothing is extrapolated.
 #[must_use]
 pub fn ahead(p: &Parameters, point: &Point, position: DVec3, h: f64) -> (DVec3, DVec3) {
     if h < p.step {
@@ -127,8 +129,8 @@ pub fn ahead(p: &Parameters, point: &Point, position: DVec3, h: f64) -> (DVec3, 
     }
 }
 
-/// Whether `drag` resists no point of a strand by more than BDF2 bears: what BDF2 extrapolates of the drag grows into a flutter
-/// from Δt w D_n = 0.39 on (hairs of 30 to 60 µm, 1 and 4 GPa, 30 to 100 mm in 3 to 20 m/s).
+/// Whether `drag` resists no point of a strand by more than BDF2 bears: what BDF2 extrapolates of the drag grows into a
+/// flutter from Δt w D_n = 0.39 on (hairs of 30 to 60 µm, 1 and 4 GPa, 30 to 100 mm in 3 to 20 m/s).
 #[must_use]
 pub fn follows_wind(p: &Parameters, hair: &Strands, strand: usize, drive: &Drive, m: &Moving, drag: &[Load]) -> bool {
     let resisted = |i: usize| p.step * m.points[i].inverse_mass * drag[i].resistance > STORMY;
@@ -178,8 +180,8 @@ pub fn drag(p: &Parameters, hair: &Strands, local: &[Local], x: &[DVec3], v: &[D
     (loads, limited)
 }
 
-/// Whether a segment with its middle there is in the air that is sampled: with `particles` only the mean wind outside their
-/// box drags.
+/// Whether a segment with its middle there is in the air that is sampled: with `particles` only the mean wind outside
+/// their box drags.
 fn exposed(p: &Parameters, middle: DVec3) -> bool {
     match p.model {
         Model::Drag | Model::TwoWay => true,
@@ -198,8 +200,8 @@ struct Piece {
     lift: DVec3,
 }
 
-/// Drag and lift of a segment of `fibres` fibres along `axis` \[m\] in air that passes with u = `slip` \[m/s\]; its drag is D u. u_n is what of u
-/// is normal to the axis, t its direction, A = 2 r l the frontal area.
+/// Drag and lift of a segment of `fibres` fibres along `axis` \[m\] in air that passes with u = `slip` \[m/s\]; its
+/// drag is D u. u_n is what of u is normal to the axis, t its direction, A = 2 r l the frontal area.
 ///
 /// ```text
 ///        t ^       D = k_n (I − t tᵀ) + k_t t tᵀ
@@ -209,12 +211,12 @@ struct Piece {
 /// ```
 /// Re = 2r |u_n|/ν; C_d |u_n| is written without it, for it is 0 at rest and Re^(−2/3) is not.
 ///
-/// The air that was sampled has been slowed by the fibre itself, from s |u_n| to |u_n| where particles fill it: a porous
-/// strip of width b in a free flow slows it by 1 + k_n/(2 ρ b l |u_n|) (Taylor 1944, Air resistance of a flat plate of very
-/// porous material). So k_n is taken as s k_n(s |u_n|).
+/// The air that was sampled has been slowed by the fibre itself, from s |u_n| to |u_n| where particles fill it: a
+/// porous strip of width b in a free flow slows it by 1 + k_n/(2 ρ b l |u_n|) (Taylor 1944, Air resistance of a flat
+/// plate of very porous material). So k_n is taken as s k_n(s |u_n|).
 ///
-/// The drag's direction is that of the segment as the step begins. Where the air passes by more than [`LENGTHS`] lengths of the strand in a
-/// step, that would throw segments to and fro: k_t goes to k_n, by the part that is more.
+/// The drag's direction is that of the segment as the step begins. Where the air passes by more than [`LENGTHS`]
+/// lengths of the strand in a step, that would throw segments to and fro: k_t goes to k_n, by the part that is more.
 fn segment(
     p: &Parameters,
     strand_length: f64,

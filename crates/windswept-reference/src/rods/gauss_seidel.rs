@@ -23,8 +23,8 @@ pub fn gauss_seidel(p: &Parameters, hair: &Strands, s: usize, drive: &Drive, m: 
     }
 }
 
-/// Solves bend-twist C = Im(q̄₀ q₁) − s Im(rest), s the sign that is nearer in 4-D; dC = A (θ₁ − θ₀), A = ½(p_w I − [p_v]×) R₀ᵀ.
-/// `clamp` is the ghost frame that a first joint hangs on.
+/// Solves bend-twist C = Im(q̄₀ q₁) − s Im(rest), s the sign that is nearer in 4-D; dC = A (θ₁ − θ₀), A = ½(p_w I −
+/// [p_v]×) R₀ᵀ. `clamp` is the ghost frame that a first joint hangs on.
 fn bend_twist(p: &Parameters, hair: &Strands, m: &mut Moving, k: usize, clamp: Option<DQuat>) {
     let own = &m.segments[k];
     let before = clamp.unwrap_or_else(|| m.segments[k - 1].frame);
@@ -46,7 +46,8 @@ fn bend_twist(p: &Parameters, hair: &Strands, m: &mut Moving, k: usize, clamp: O
     }
 }
 
-/// Solves stretch-shear C = (x₁ − x₀)/l − d₃; dC = (δx₁ − δx₀)/l + [d₃]× θ. Stiffness, multiplier and system in the material frame.
+/// Solves stretch-shear C = (x₁ − x₀)/l − d₃; dC = (δx₁ − δx₀)/l + [d₃]× θ. Stiffness, multiplier and system in the
+/// material frame.
 fn stretch_shear(p: &Parameters, hair: &Strands, m: &mut Moving, k: usize, point: usize) {
     let l = hair.rest_length[k];
     // Multipliers are forces times the response of frames; a point that more than that resists moves by less.

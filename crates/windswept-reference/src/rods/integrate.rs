@@ -10,8 +10,8 @@ fn carry(p: &Parameters, h: f64) -> f64 {
     if h < p.step { 1.0 / 3.0 } else { 0.0 }
 }
 
-/// Move without the rod's forces, carry d + h (v + h a)/(1 + c h), with v = (4 v_n − v_{n−1})/3 for BDF2 and v_n for Euler.
-/// `damping` is c \[1/s\].
+/// Move without the rod's forces, carry d + h (v + h a)/(1 + c h), with v = (4 v_n − v_{n−1})/3 for BDF2 and v_n for
+/// Euler. `damping` is c \[1/s\].
 #[must_use]
 pub fn free_move(
     p: &Parameters,

@@ -48,8 +48,9 @@ pub fn predict(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut 
     set_off(p, &s.hair, strand, drive, m);
 }
 
-/// Adds what forces from outside change of each point's velocity. Returns how much pushes the strand that did not while it came to rest
-/// \[m/s\]: all of it on average, or one point by as much as bends the strand as far. A sleeper has no velocity but what viscosity gave it.
+/// Adds what forces from outside change of each point's velocity. Returns how much pushes the strand that did not while
+/// it came to rest \[m/s\]: all of it on average, or one point by as much as bends the strand as far. A sleeper has no
+/// velocity but what viscosity gave it.
 fn load(p: &Parameters, s: &state::State, strand: usize, m: &mut Moving) -> f64 {
     let mut pushes = Vec::new();
     for i in s.hair.points(strand).filter(|&i| s.inverse_mass[i] > 0.0) {
@@ -64,8 +65,8 @@ fn load(p: &Parameters, s: &state::State, strand: usize, m: &mut Moving) -> f64 
     (pushes.iter().sum::<DVec3>().length() / count.max(1.0)).max(largest / (AT_TIP * count).max(1.0))
 }
 
-/// Free moves of points and frames, and the start of the solver: as the spins turn the frames, with points that follow. For Gauss-Seidel:
-/// at the free moves.
+/// Free moves of points and frames, and the start of the solver: as the spins turn the frames, with points that follow.
+/// For Gauss-Seidel: at the free moves.
 fn set_off(p: &Parameters, hair: &Strands, strand: usize, drive: &Drive, m: &mut Moving) {
     let first = hair.points(strand).start;
     let h = drive.step;
@@ -111,8 +112,8 @@ fn set_off(p: &Parameters, hair: &Strands, strand: usize, drive: &Drive, m: &mut
     }
 }
 
-/// Strains u = chord − l d₃ as the step begins. A segment that is strained by more than [`WHOLE`] was pushed by a body, or somebody wrote
-/// it: its frame turns onto its chord, what is left is cut, and the points beyond shift along.
+/// Strains u = chord − l d₃ as the step begins. A segment that is strained by more than [`WHOLE`] was pushed by a body,
+/// or somebody wrote it: its frame turns onto its chord, what is left is cut, and the points beyond shift along.
 fn make_whole(hair: &Strands, strand: usize, m: &mut Moving) {
     let mut shift = DVec3::ZERO;
     for (k, i) in hair.segments(strand).zip(hair.points(strand)) {
@@ -144,8 +145,8 @@ fn onto(chord: DVec3, frame: DQuat) -> DQuat {
     (turn * frame).normalize()
 }
 
-/// Places a strand: in its rest shape, unrolled from the clamp, where a tip that is held stays; or as it is, turned with its root and moved
-/// with it.
+/// Places a strand: in its rest shape, unrolled from the clamp, where a tip that is held stays; or as it is, turned
+/// with its root and moved with it.
 fn place(hair: &Strands, strand: usize, drive: &Drive, m: &mut Moving, at_rest: bool) {
     let (mut frame, mut offset, mut rest) = (drive.root_frame, DVec3::ZERO, DVec3::ZERO);
     let first = hair.points(strand).start;

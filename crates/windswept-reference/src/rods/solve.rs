@@ -49,14 +49,16 @@ struct Spring {
     force: DVec3,
 }
 
-/// What lies beyond a point or a joint, ½ sᵀ P s + sᵀ p (1, λ): s its turn and its move, λ a change of the force that holds a held tip.
+/// What lies beyond a point or a joint, ½ sᵀ P s + sᵀ p (1, λ): s its turn and its move, λ a change of the force that
+/// holds a held tip.
 #[derive(Clone, Copy)]
 struct Beyond {
     matrix: Matrix6<f64>,
     vectors: Matrix6x4<f64>,
 }
 
-/// Answer z = constant (1, λ) + gain s of a joint and its segment to the state s before it, with what cut joints need of it.
+/// Answer z = constant (1, λ) + gain s of a joint and its segment to the state s before it, with what cut joints need
+/// of it.
 struct Answer {
     constant: Matrix6x4<f64>,
     gain: Matrix6<f64>,
@@ -65,13 +67,14 @@ struct Answer {
     stretch: Spring,
 }
 
-/// Solves strand `s`: Newton steps until frames, strains, a held tip and contacts have settled, or as many as there are.
+/// Solves strand `s`: Newton steps until frames, strains, a held tip and contacts have settled, or as many as there
+/// are.
 ///
 /// ```text
 ///   Φ = Σ |x_i − free_i|²/(2 W_i) + Σ 4 J_k (1 − |p_w|) + Σ ½ εᵀ α_s⁻¹ ε + Σ ½ Cᵀ α_b⁻¹ C      ε = Rᵀ u/l, J = 1/W of a frame
 /// ```
-/// with p = turn · conj(free turn) and C = Im(q̄₀ q₁) − s Im(rest). The unknowns are frames and strains u = chord − l d₃, from which
-/// points follow. Contacts with bodies are springs on points and segments (`contact/hair.rs`).
+/// with p = turn · conj(free turn) and C = Im(q̄₀ q₁) − s Im(rest). The unknowns are frames and strains u = chord − l
+/// d₃, from which points follow. Contacts with bodies are springs on points and segments (`contact/hair.rs`).
 ///
 /// # Panics
 /// Where the Hessian is not positive definite, so that the potential need not fall along a Newton step.
@@ -323,8 +326,8 @@ impl Rod<'_> {
         moves
     }
 
-    /// Change of the force on a held tip with which a Newton step brings the tip to its place \[N\], and the part of the step that is taken:
-    /// the whole of it is cut, since joints that are cut by themselves lead the tip away.
+    /// Change of the force on a held tip with which a Newton step brings the tip to its place \[N\], and the part of
+    /// the step that is taken: the whole of it is cut, since joints that are cut by themselves lead the tip away.
     fn tip_change(&self, answers: &[Answer], root_moves: &Matrix6x4<f64>) -> (DVec3, f64) {
         let tip = &self.points[self.points.len() - 1];
         if tip.inverse_mass > 0.0 {
@@ -347,8 +350,8 @@ impl Rod<'_> {
         (change, (HELD_TURN / most).min(1.0))
     }
 
-    /// Turns frames and strains by a part of a Newton step, and places the points that follow from them. Returns the largest turn of a frame
-    /// \[rad\] or change of a strain, as if turns were not cut.
+    /// Turns frames and strains by a part of a Newton step, and places the points that follow from them. Returns the
+    /// largest turn of a frame \[rad\] or change of a strain, as if turns were not cut.
     fn apply(&mut self, answers: &[Answer], root_moves: &Matrix6x4<f64>, tip: Vector4<f64>, part: f64) -> f64 {
         let mut most = 0.0_f64;
         let (mut turn, mut shift) = parts(&(root_moves * tip));
@@ -389,8 +392,8 @@ impl Rod<'_> {
         }
     }
 
-    /// Hair that comes out of a body goes its way through the step, beside that of its root, only in part, so that no point of it is faster than
-    /// [`RECOVERY`]: all frames turn by that part.
+    /// Hair that comes out of a body goes its way through the step, beside that of its root, only in part, so that no
+    /// point of it is faster than [`RECOVERY`]: all frames turn by that part.
     fn crawl(&mut self) {
         let root = self.points[0].displacement;
         let far = self.points.iter().map(|point| point.displacement.distance(root)).fold(0.0, f64::max);
@@ -403,8 +406,8 @@ impl Rod<'_> {
         self.chain();
     }
 
-    /// A strand that nothing holds and that touches nothing keeps its momentum. What is left of the way to a held tip is spread over the
-    /// points.
+    /// A strand that nothing holds and that touches nothing keeps its momentum. What is left of the way to a held tip
+    /// is spread over the points.
     fn finish(&mut self, touches: bool) {
         let last = self.points.len() - 1;
         let (root, tip) = (self.points[0].inverse_mass, self.points[last].inverse_mass);

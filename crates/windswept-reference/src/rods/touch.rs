@@ -124,8 +124,9 @@ impl Rod<'_> {
         }
     }
 
-    /// Stiffness of the contacts of segment `k` to the turn of the segment, whose second point is at `arm` from the first, and the move of
-    /// that, and what they resist by. They take the place for one that the segment's stretch does not move.
+    /// Stiffness of the contacts of segment `k` to the turn of the segment, whose second point is at `arm` from the
+    /// first, and the move of that, and what they resist by. They take the place for one that the segment's stretch
+    /// does not move.
     pub(super) fn push_segment(&self, k: usize, arm: DVec3) -> (Matrix6<f64>, Vector6<f64>) {
         let (mut matrix, mut forces) = (Matrix6::zeros(), Vector6::zeros());
         for contact in self.segment_contacts[self.of(k)].iter().filter(|contact| contact.live) {
@@ -165,8 +166,8 @@ impl Rod<'_> {
         }
     }
 
-    /// Leaves the contacts to the next step: those of an unsolved strand remember nothing. A point that touches, or that a touching segment
-    /// moves, has the velocity of its move: all of it where it sticks, else across the surface.
+    /// Leaves the contacts to the next step: those of an unsolved strand remember nothing. A point that touches, or
+    /// that a touching segment moves, has the velocity of its move: all of it where it sticks, else across the surface.
     pub(super) fn leave(&mut self, solved: bool) {
         let count = self.bodies.len();
         for (k, b) in (0..self.points.len()).flat_map(|k| (0..count).map(move |b| (k, b))) {

@@ -9,7 +9,8 @@ use super::{
 };
 use crate::{Parameters, forcing::FAR, state, step::Scratch};
 
-/// Finds how strand `strand` is after its solve. One that is lost is held where it was for this step, so that it spoils no neighbour.
+/// Finds how strand `strand` is after its solve. One that is lost is held where it was for this step, so that it spoils
+/// no neighbour.
 pub fn update(p: &Parameters, s: &mut state::State, strand: usize, w: &mut Scratch) {
     let m = &mut w.moving;
     let Some(stretch) = measure(&s.hair, strand, m) else {
@@ -35,7 +36,8 @@ pub fn update(p: &Parameters, s: &mut state::State, strand: usize, w: &mut Scrat
     }
 }
 
-/// Largest stretch |l/l0 − 1| of a strand; `None` when a move or a frame of it is not finite, or it is longer than a strand can be.
+/// Largest stretch |l/l0 − 1| of a strand; `None` when a move or a frame of it is not finite, or it is longer than a
+/// strand can be.
 #[must_use]
 pub fn measure(hair: &Strands, s: usize, m: &Moving) -> Option<f64> {
     let (points, segments) = (hair.points(s), hair.segments(s));
@@ -60,8 +62,8 @@ fn hold(hair: &Strands, s: usize, m: &mut Moving) {
     }
 }
 
-/// Whether a strand was where it became still when the step began; with `particles`, whose pushes nothing remembers, it must not
-/// be pushed either.
+/// Whether a strand was where it became still when the step began; with `particles`, whose pushes nothing remembers, it
+/// must not be pushed either.
 #[must_use]
 pub fn rests(p: &Parameters, hair: &Strands, s: usize, m: &Moving) -> bool {
     let rest = p.rest[s];

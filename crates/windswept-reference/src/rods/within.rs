@@ -53,7 +53,8 @@ pub struct Drive {
     pub comes_out: bool,
 }
 
-/// Load of a hair point from outside its rod: the force is `force` − `resistance` v, v the point's velocity at the step's end.
+/// Load of a hair point from outside its rod: the force is `force` − `resistance` v, v the point's velocity at the
+/// step's end.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Load {
     /// Force on the point at rest \[N\].

@@ -49,12 +49,14 @@ impl Mesh {
     }
 }
 
-/// Nodes of a periodic axis of `count` whose B-splines reach the place `at`, and the way from each to there \[node spacings\].
+/// Nodes of a periodic axis of `count` whose B-splines reach the place `at`, and the way from each to there \[node
+/// spacings\].
 pub(crate) fn spline_nodes(degree: u32, at: f64, count: usize) -> Vec<(usize, f64)> {
     nodes_near(at, count).filter(|(_, gap)| b_spline(degree, *gap) > 0.0).collect()
 }
 
-/// Nodes of a periodic axis of `count` within two spacings of the place `at`, and the way from each to there \[node spacings\].
+/// Nodes of a periodic axis of `count` within two spacings of the place `at`, and the way from each to there \[node
+/// spacings\].
 fn nodes_near(at: f64, count: usize) -> impl Iterator<Item = (usize, f64)> {
     let first = at.floor() as i64 - 2;
     (first..first + 6).map(move |n| (n.rem_euclid(count as i64) as usize, at - n as f64))
@@ -80,7 +82,8 @@ pub fn window(t: f64) -> f64 {
 /// Intervals by which the transform of a window is summed, on each side of its middle.
 const INTERVALS: i32 = 256;
 
-/// What the window leaves of a wave of wave number k, in radians per node spacing: its Fourier transform, by Simpson's rule.
+/// What the window leaves of a wave of wave number k, in radians per node spacing: its Fourier transform, by Simpson's
+/// rule.
 fn kept(k: f64) -> f64 {
     // Pieces of the polynomial end at ends of intervals.
     let step = 2.0 / f64::from(INTERVALS);
@@ -156,9 +159,10 @@ pub fn smooth_along(p: &Parameters, scale: f64, mesh: &Mesh, axes: usize) -> [Me
 
 /// Factors of the waves m = 0 to n/2 along an axis of n nodes, by smoothing and by its second derivative \[1/m²\].
 ///
-/// Wanted are ĝ = e^(−k²s²/2)/Ŵ², which takes out what deposit and gather blur, and −k² ĝ. Taps that reach R nodes give 1 or 0
-/// for m = 0 plus a sum over n = 1 to R of cosines less 1. Here is the part of what is wanted that such sums can be: its projection, with
-/// Ŵ² for a weight, onto those functions of m, made orthogonal one after another (Gram and Schmidt).
+/// Wanted are ĝ = e^(−k²s²/2)/Ŵ², which takes out what deposit and gather blur, and −k² ĝ. Taps that reach R nodes give
+/// 1 or 0 for m = 0 plus a sum over n = 1 to R of cosines less 1. Here is the part of what is wanted that such sums can
+/// be: its projection, with Ŵ² for a weight, onto those functions of m, made orthogonal one after another (Gram and
+/// Schmidt).
 fn response(nodes: usize, spacing: f64, scale: f64) -> Vec<[f64; 2]> {
     let reach = Turbulence::reach(spacing / scale).min(nodes / 2);
     let turns = |m: usize| TAU * m as f64 / nodes as f64;

@@ -20,8 +20,8 @@ pub trait Scenes {
     fn blown(&self, segments: usize, step: f64, rods: &str) -> (Parameters, InitialState);
     /// The strand as it rests in the wind.
     fn settled(&self, segments: usize) -> Strands;
-    /// `strand` in the model `two-way`, rooted at 0.45 of a box of so many spacings and half its length above the middle,
-    /// in air that blows already.
+    /// `strand` in the model `two-way`, rooted at 0.45 of a box of so many spacings and half its length above the
+    /// middle, in air that blows already.
     fn in_air(&self, strand: Strands, box_size: [usize; 3], step: f64, keys: &str) -> (Parameters, InitialState);
 }
 
@@ -77,7 +77,8 @@ fn scene(hair: &Hair, bounds: &str, model: &str, step: f64, rods: &str) -> Scene
     Scene::parse(&text).unwrap()
 }
 
-/// Strands of 50 mm and `fibres` fibres that hang down within a few millimetres of each other, some of them out of the box.
+/// Strands of 50 mm and `fibres` fibres that hang down within a few millimetres of each other, some of them out of the
+/// box.
 pub fn tuft(fibres: f64, dt: f64, speed: f64) -> (Parameters, InitialState) {
     let hair = Hair { wind: speed, ..REAL };
     let mut rng = Pcg64::seed_from_u64(3);

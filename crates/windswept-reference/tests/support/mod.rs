@@ -14,7 +14,8 @@ pub const MASS: f64 = Air::PARTICLE_MASS;
 pub const VOLUME: f64 = MASS / Air::REST_DENSITY;
 pub const RADIUS: f64 = Air::KERNEL_RADIUS;
 
-/// A scene with no more than it must have, and `keys` on top. Rods by Gauss-Seidel and Euler, which sweeps of 0 leave out.
+/// A scene with no more than it must have, and `keys` on top. Rods by Gauss-Seidel and Euler, which sweeps of 0 leave
+/// out.
 pub fn scene(keys: &str) -> Scene {
     let rods = "rods = { solver = \"gauss-seidel\", integrator = \"euler\", sleep = false }";
     let text = format!("gravity = [0.0, -9.81, 0.0]\n{rods}\n[time]\nstep = 1.38e-3\nduration = 1.0\n{keys}");
@@ -101,7 +102,8 @@ pub fn air(size: DVec3, positions: Vec<DVec3>) -> InitialState {
     InitialState { air, ..InitialState::default() }
 }
 
-/// `cells` copies of a cubic unit cell with a particle at each of `basis` (fractions), one per `VOLUME`: box, positions.
+/// `cells` copies of a cubic unit cell with a particle at each of `basis` (fractions), one per `VOLUME`: box,
+/// positions.
 pub fn lattice(cells: [usize; 3], basis: &[[f64; 3]]) -> (DVec3, Vec<DVec3>) {
     let side = (basis.len() as f64 * VOLUME).cbrt();
     let corners = (0..cells.iter().product()).map(|i| [i % cells[0], i / cells[0] % cells[1], i / cells[0] / cells[1]]);

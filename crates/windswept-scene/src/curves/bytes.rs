@@ -23,8 +23,8 @@ impl<'a> Bytes<'a> {
         self.at
     }
 
-    /// The next `count` things of `size` bytes each, not taken yet. Whoever makes room for them does so after this: there
-    /// are no more than the file has.
+    /// The next `count` things of `size` bytes each, not taken yet. Whoever makes room for them does so after this:
+    /// there are no more than the file has.
     pub(super) fn has(&self, count: u64, size: usize, what: &str) -> Result<&'a [u8], SceneError> {
         let wanted = u128::from(count) * size as u128;
         let there = usize::try_from(wanted).ok().and_then(|wanted| self.all[self.at..].get(..wanted));

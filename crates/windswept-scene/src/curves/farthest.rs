@@ -7,7 +7,8 @@ const UNDIVIDED: usize = 16;
 
 /// Indices of `count` points, each the farthest from those before it, from `first` on; of several the first.
 ///
-/// A point that is taken is looked at beside the points of those boxes only in which it is nearer to some than all before it.
+/// A point that is taken is looked at beside the points of those boxes only in which it is nearer to some than all
+/// before it.
 pub(super) fn farthest(points: &[DVec3], count: usize, first: usize) -> Vec<usize> {
     let seats = points.iter().enumerate().map(|(index, point)| Seat { index, point: *point, distance: f64::INFINITY });
     let mut all = Part::new(&mut seats.collect::<Vec<_>>());
@@ -66,7 +67,8 @@ impl Part {
         part
     }
 
-    /// Takes point `last`, which is at `place`: all points know how far they are from it, and it is never the best again.
+    /// Takes point `last`, which is at `place`: all points know how far they are from it, and it is never the best
+    /// again.
     fn take(&mut self, last: usize, place: DVec3) {
         // Rounding keeps the order of distances: no point of the box is nearer than the box.
         let gap = (self.low - place).max(place - self.high).max(DVec3::ZERO).length_squared();
@@ -120,8 +122,8 @@ mod tests {
         taken
     }
 
-    /// The same points are taken in the same order as by a look at all: of a cloud, of a line, of a grid where many are as far as one
-    /// another and some in one place, of points that are all in one, and where some are no numbers.
+    /// The same points are taken in the same order as by a look at all: of a cloud, of a line, of a grid where many are
+    /// as far as one another and some in one place, of points that are all in one, and where some are no numbers.
     #[test]
     fn the_farthest_are_those_of_a_look_at_all() {
         let mut rng = Pcg64::seed_from_u64(5);

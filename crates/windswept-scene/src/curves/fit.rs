@@ -1,5 +1,5 @@
-//! Curves made fit to be simulated: in metres and Y up, without strands that cannot be, as many strands and points as asked
-//! for.
+//! Curves made fit to be simulated: in metres and Y up, without strands that cannot be, as many strands and points as
+//! asked for.
 
 use std::{fmt, ops::RangeInclusive};
 
@@ -153,9 +153,9 @@ impl Curves {
         if kept.len() == self.len() { self } else { self.only(&kept) }
     }
 
-    /// The curves that the file marks as guides, or all where it marks none; of those, where they are more than `strands`, the ones
-    /// whose roots are far from one another: each is the one whose root is farthest from the roots taken before it, and `seed`
-    /// draws the first. They keep their order.
+    /// The curves that the file marks as guides, or all where it marks none; of those, where they are more than
+    /// `strands`, the ones whose roots are far from one another: each is the one whose root is farthest from the roots
+    /// taken before it, and `seed` draws the first. They keep their order.
     #[must_use]
     pub fn guides(self, strands: Option<u32>, seed: u64) -> Self {
         let taken = self.taken(strands, seed);
@@ -191,7 +191,8 @@ impl Curves {
         Err(SceneError::new(format!("expected {what} that can be simulated: {words}")))
     }
 
-    /// The same curves, of which those that [`Self::guides`] takes are marked and the others follow; no marks where all are taken.
+    /// The same curves, of which those that [`Self::guides`] takes are marked and the others follow; no marks where all
+    /// are taken.
     fn with_marks(mut self, strands: Option<u32>, seed: u64) -> Self {
         let taken = self.taken(strands, seed);
         self.guides.clear();
@@ -229,8 +230,8 @@ impl Curves {
     }
 }
 
-/// The count of `dropped` that a strand belongs to; `None` for one that can be simulated, or can be `anew`, once its points
-/// are placed evenly.
+/// The count of `dropped` that a strand belongs to; `None` for one that can be simulated, or can be `anew`, once its
+/// points are placed evenly.
 fn invalid_value<'a>(strand: &[[f64; 3]], anew: bool, dropped: &'a mut Dropped) -> Option<&'a mut usize> {
     if !strand.iter().all(is_finite) {
         return Some(&mut dropped.not_finite);
@@ -291,8 +292,9 @@ fn places(strand: &[[f64; 3]], points: u32) -> Option<Vec<(usize, f64)>> {
 }
 
 impl GroomFile {
-    /// All curves of the file that can be simulated, in metres and Y up, and what a user should know of them. Where not all are to be
-    /// simulated, those that are have a mark, and the others follow them; `seed` draws which of many strands are taken.
+    /// All curves of the file that can be simulated, in metres and Y up, and what a user should know of them. Where not
+    /// all are to be simulated, those that are have a mark, and the others follow them; `seed` draws which of many
+    /// strands are taken.
     ///
     /// # Errors
     /// As [`Curves::load`]; where no unit is known; where no strand is left to be simulated.
@@ -346,7 +348,8 @@ impl GroomFile {
         Ok((curves.in_metres(scale, self.up), scale))
     }
 
-    /// How many strands of the file are simulated, and the curves of [`Self::curves`] where those are more: the others follow.
+    /// How many strands of the file are simulated, and the curves of [`Self::curves`] where those are more: the others
+    /// follow.
     ///
     /// # Errors
     /// As [`Self::curves`].
@@ -391,7 +394,8 @@ impl GroomFile {
         Ok((curves, notes))
     }
 
-    /// As [`Self::fitted`], without what is to be known of the file. Where `all` are kept, those that are simulated are marked.
+    /// As [`Self::fitted`], without what is to be known of the file. Where `all` are kept, those that are simulated are
+    /// marked.
     fn fit(&self, curves: Curves, all: bool, seed: u64) -> Result<(Curves, Vec<String>), SceneError> {
         let total = curves.len();
         let mut dropped = Dropped::default();
@@ -426,8 +430,8 @@ impl GroomFile {
         Ok((curves, notes))
     }
 
-    /// All strands of [`Self::curves`], of default fibres but for the radius where the file has one, and what a user should know of
-    /// them.
+    /// All strands of [`Self::curves`], of default fibres but for the radius where the file has one, and what a user
+    /// should know of them.
     ///
     /// # Errors
     /// As [`Self::curves`].

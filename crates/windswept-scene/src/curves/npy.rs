@@ -269,7 +269,8 @@ fn file(kind: &str, shape: &[usize], values: impl Iterator<Item = u8>) -> Vec<u8
     bytes
 }
 
-/// What stands in a `.npy` file before the numbers: those of an array of this kind, as NumPy spells it (`"<f4"`), and this shape.
+/// What stands in a `.npy` file before the numbers: those of an array of this kind, as NumPy spells it (`"<f4"`), and
+/// this shape.
 #[must_use]
 pub fn npy_head(kind: &str, shape: &[usize]) -> Vec<u8> {
     let sides: String = shape.iter().map(|n| format!("{n}, ")).collect();

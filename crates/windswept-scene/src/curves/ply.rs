@@ -64,7 +64,8 @@ struct Property {
     many: Option<Scalar>,
 }
 
-/// Elements whose numbers are kept. A file has each of them once: the numbers of a second one would mingle with those of the first.
+/// Elements whose numbers are kept. A file has each of them once: the numbers of a second one would mingle with those
+/// of the first.
 const KEPT: [&str; 3] = ["vertex", "strand", "face"];
 
 struct Element {

@@ -15,8 +15,8 @@ use crate::{
     wind::check_speed,
 };
 
-/// Part of a side of the box that rounding may take: the difference of two corners is rounded, and a side of exactly three
-/// kernel radii must do.
+/// Part of a side of the box that rounding may take: the difference of two corners is rounded, and a side of exactly
+/// three kernel radii must do.
 const ROUNDING: f64 = 1e-9;
 
 /// Jitter of the lattice where a scene does not say it and the solver asks for one \[particle spacings\].
@@ -28,7 +28,8 @@ table! {
     pub struct Air, checked by Air::checked {
         /// Periodic box of the air particles; none with models drag and none.
         bounds as "box": Option<Bounds> = Table, "", Derived("needed with models particles and two-way");
-        /// Distance about the hair's reach that the box is cut to at load, and the fringe's thickness more where wind enters.
+        /// Distance about the hair's reach that the box is cut to at load, and the fringe's thickness more where wind
+        /// enters.
         margin: Option<f64> = NonNegative, "m", Derived("the whole box");
         /// Rest density ρ0.
         rest_density: f64 = Positive, "kg/m³", Value(Air::REST_DENSITY);
@@ -44,11 +45,13 @@ table! {
         ramp: f64 = NonNegative, "s", Value(0.05);
         /// Kinematic viscosity ν of the drag on segments: that of real air.
         kinematic_viscosity: f64 = Positive, "m²/s", Value(Air::KINEMATIC_VISCOSITY);
-        /// Skin friction coefficient C_f of air along bodies: a stress of ½ C_f ρ v² on the layer of one particle spacing.
+        /// Skin friction coefficient C_f of air along bodies: a stress of ½ C_f ρ v² on the layer of one particle
+        /// spacing.
         skin_friction: f64 = NonNegative, "", Value(0.1);
         /// Keyframes of what is added to the wind: linear between them, held before and after.
         gust: Vec<Gust> = Tables, "", Derived("no gusts");
-        /// Largest offset of a particle from its site of the lattice at the start, along each axis, in particle spacings.
+        /// Largest offset of a particle from its site of the lattice at the start, along each axis, in particle
+        /// spacings.
         jitter: f64 = Fraction, "", Derived("0.05 with fluid.solver divergence, 0 with pbf") => |air| jitter(air)?;
         /// Turbulence that enters with the wind.
         inflow: Option<Inflow> = Table, "", Derived("that of turbulence.scale and intensity, unless turbulence.inflow = false");
@@ -95,7 +98,8 @@ fn seed(reader: &Reader<'_>) -> u64 {
 }
 
 impl Inflow {
-    /// Eddies of `turbulence.scale` and `turbulence.intensity`, which enter unless `turbulence.inflow` or the method says otherwise.
+    /// Eddies of `turbulence.scale` and `turbulence.intensity`, which enter unless `turbulence.inflow` or the method
+    /// says otherwise.
     fn of_turbulence(reader: &Reader<'_>) -> Option<Self> {
         let turbulence = reader.root().table("turbulence");
         let Band { scale, intensity, .. } = Band::of_dials(&turbulence)?;
@@ -108,8 +112,8 @@ fn model(reader: &Reader<'_>) -> Result<Model, SceneError> {
     Ok(reader.root().read::<Interaction>("interaction")?.model)
 }
 
-/// A sheared lattice breaks along its planes all at once, which the pressure of solver divergence makes noise of; the moves of
-/// solver pbf melt it in any case.
+/// A sheared lattice breaks along its planes all at once, which the pressure of solver divergence makes noise of; the
+/// moves of solver pbf melt it in any case.
 fn jitter(air: &Reader<'_>) -> Result<f64, SceneError> {
     let solver = air.root().read::<Fluid>("fluid")?.solver;
     Ok(if solver == FluidSolver::Divergence { JITTER } else { 0.0 })
@@ -194,7 +198,8 @@ impl Air {
         self.check_size(bounds).map_err(|(key, words)| reader.fault(key, words))
     }
 
-    /// The box must hold some particles, and no more of them and of cells than fit; else the key and what is wrong with it.
+    /// The box must hold some particles, and no more of them and of cells than fit; else the key and what is wrong with
+    /// it.
     pub(crate) fn check_size(&self, bounds: &Bounds) -> Result<(), (&'static str, String)> {
         let (least, most, radius) = (MIN_AIR_PARTICLES, MAX_AIR_PARTICLES, self.kernel_radius);
         let side = |axis: usize| bounds.max[axis] - bounds.min[axis];

@@ -85,16 +85,18 @@ table! {
         scale: Option<f64> = Positive, "m", Derived("needed, unless the file says its unit");
         /// Axis of the file that points up, or the axes of the file that become x, y and z; xzy, yxz and zyx mirror.
         up: Up = Choice(Up::WORDS), "", Value(Up::Y);
-        /// Whether the shape in the file is the one at rest, from which weight bends the strands, or the one that they hang in, with
-        /// their roots clamped.
+        /// Whether the shape in the file is the one at rest, from which weight bends the strands, or the one that they
+        /// hang in, with their roots clamped.
         rest: RestShape = Choice(RestShape::WORDS), "", Value(RestShape::Hanging);
         /// Whether strands take their radius from the file, where it has one that is a hair's, 15 to 150 µm on average.
         file_radius: bool = Bool, "", Value(true);
         /// Whether the strands that the file marks as guides are those that are simulated; false: as if it marked none.
         file_guides: bool = Bool, "", Value(true);
-        /// Points of each strand of a file that does not say where one ends: a .ply without strands, an array (points, 3).
+        /// Points of each strand of a file that does not say where one ends: a .ply without strands, an array (points,
+        /// 3).
         points_per_strand: Option<u32> = Count(1, MAX_POINTS_OF_A_STRAND), "", Derived("the file must say");
-        /// Number of strands; of a file's guides, or of all its strands, those whose roots are far from one another. The others follow.
+        /// Number of strands; of a file's guides, or of all its strands, those whose roots are far from one another.
+        /// The others follow.
         strands: Option<u32> = Count(1, MAX_HAIR_POINTS), "", Derived("all of the file's guides, or of its strands");
         /// Points per strand, root included; strands of a file are divided anew, evenly along their length.
         points: Option<u32> = Count(2, MAX_POINTS_OF_A_STRAND), "", Derived("the file's");
@@ -133,8 +135,8 @@ table! {
         radius: f64 = Length, "m", Value(4e-5);
         /// Fraction by which the tip's radius is less than the root's.
         taper: f64 = Fraction, "", Value(0.0);
-        /// Semi-minor axis, along d1, over semi-major axis of the cross-section; a curl turns about d2 and so bends the flat
-        /// way.
+        /// Semi-minor axis, along d1, over semi-major axis of the cross-section; a curl turns about d2 and so bends the
+        /// flat way.
         aspect: f64 = Share, "", Value(1.0);
         /// Density of a fibre.
         density: f64 = Positive, "kg/m³", Value(1320.0);
@@ -219,7 +221,8 @@ impl Hair {
         }
     }
 
-    /// The point that the roots' motion turns about \[m\]: the centre of their shape, or the origin of their groom or mesh file.
+    /// The point that the roots' motion turns about \[m\]: the centre of their shape, or the origin of their groom or
+    /// mesh file.
     #[must_use]
     pub fn center(&self) -> DVec3 {
         match self.drawn().map(|drawn| &drawn.roots) {

@@ -19,7 +19,8 @@ table! {
         integrator: Integrator = Choice(Integrator::WORDS), "", Method(Integrator::Bdf2, Integrator::Euler);
         /// Sweeps of Gauss-Seidel in a step; gauss-seidel only.
         iterations: u32 = Count(1, MAX_REPEATS), "", Value(10);
-        /// Newton steps at most; direct only: a strand stops when frames turn by less than 1e-3 rad, or a hundredth of the first turn.
+        /// Newton steps at most; direct only: a strand stops when frames turn by less than 1e-3 rad, or a hundredth of
+        /// the first turn.
         newton: u32 = Count(1, MAX_NEWTON_STEPS), "", Value(8);
         /// Damping of absolute linear and angular velocity.
         damping: f64 = NonNegative, "1/s", Value(0.0);

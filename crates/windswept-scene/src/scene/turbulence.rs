@@ -19,7 +19,8 @@ table! {
     /// `[turbulence]`: vorticity confinement.
     #[derive(Debug, Clone, PartialEq)]
     pub struct Turbulence, checked by Turbulence::checked {
-        /// Bands of eddies to strengthen, instead of `scale`; each has a scale and an intensity of its own, and none enters with the wind.
+        /// Bands of eddies to strengthen, instead of `scale`; each has a scale and an intensity of its own, and none
+        /// enters with the wind.
         bands: Vec<Band> = Tables, "", Derived("the band of scale and intensity");
         /// Speed U of the law.
         speed: f64 = NonNegative, "m/s", Derived("the largest wind, those of jets and vortices included") => |turbulence| largest_wind(turbulence)?;
@@ -50,11 +51,11 @@ table! {
     pub struct Band {
         /// Scale of the eddies to strengthen: s of the Mexican hat.
         scale: f64 = Length, "m", Required;
-        /// Strength S of the band law, by which eddies come to their intensity sooner; the published law has a strength of its own. 0
-        /// leaves the band out.
+        /// Strength S of the band law, by which eddies come to their intensity sooner; the published law has a strength
+        /// of its own. 0 leaves the band out.
         strength: f64 = NonNegative, "", Value(Band::STRENGTH);
-        /// Intensity I: the rms speed of the band over turbulence.speed. The band law strengthens no faster eddies, and none that pass
-        /// a kernel radius in a substep.
+        /// Intensity I: the rms speed of the band over turbulence.speed. The band law strengthens no faster eddies, and
+        /// none that pass a kernel radius in a substep.
         intensity: f64 = Positive, "", Value(Band::INTENSITY);
     }
 }
@@ -79,7 +80,8 @@ words! {
     }
 }
 
-/// Largest speed of the mean wind and of the force fields that air can follow \[m/s\]: not of a point's, which would compress it.
+/// Largest speed of the mean wind and of the force fields that air can follow \[m/s\]: not of a point's, which would
+/// compress it.
 fn largest_wind(reader: &Reader<'_>) -> Result<f64, SceneError> {
     let root = reader.root();
     if !root.has("air") {
@@ -149,8 +151,8 @@ impl Turbulence {
 }
 
 impl Scene {
-    /// Speed beyond which the band law does not strengthen a band's eddies in a step of `substeps` substeps \[m/s\]: I U, and at most a
-    /// kernel radius in a substep, beyond which steps do not resolve them; 0 without air.
+    /// Speed beyond which the band law does not strengthen a band's eddies in a step of `substeps` substeps \[m/s\]: I
+    /// U, and at most a kernel radius in a substep, beyond which steps do not resolve them; 0 without air.
     #[must_use]
     pub fn largest_eddy_speed(&self, band: &Band, substeps: u32) -> f64 {
         let radius = self.air.as_ref().map_or(0.0, |air| air.kernel_radius);

@@ -18,13 +18,14 @@ table! {
     /// `[viscosity]`: c of eqs. 7 and 8 for the step as written (`time.step`).
     #[derive(Debug, Clone, PartialEq)]
     pub struct Viscosity, checked by Viscosity::checked {
-        /// Coefficient c of hair, per step as written. With interaction.model two-way it acts between strands; with particles
-        /// it also acts between the points of one strand.
+        /// Coefficient c of hair, per step as written. With interaction.model two-way it acts between strands; with
+        /// particles it also acts between the points of one strand.
         hair: f64 = NonNegative, "", Value(1.4);
         /// Coefficient c of air, per step as written.
         air: f64 = NonNegative, "", Value(0.014);
-        /// Constant C of the viscosity of eddies smaller than the spacing d of air, ν = (C d)² |∇v| (Smagorinsky 1963), on top of
-        /// air's; 0 leaves it out. 0.34 is the usual 0.17 of a filter of two spacings. For fluid.solver divergence; at most 1.
+        /// Constant C of the viscosity of eddies smaller than the spacing d of air, ν = (C d)² |∇v| (Smagorinsky 1963),
+        /// on top of air's; 0 leaves it out. 0.34 is the usual 0.17 of a filter of two spacings. For fluid.solver
+        /// divergence; at most 1.
         smagorinsky: f64 = NonNegative, "", Derived("0, or 0.34 with model particles and solver divergence") => |viscosity| {
             usual_constant(viscosity)?
         };
@@ -49,8 +50,8 @@ words! {
     }
 }
 
-/// Where hair is in air's own sums it makes eddies that are hardly larger than the spacing, which have a limit of short steps only
-/// with this viscosity (`docs/decisions/air.md`).
+/// Where hair is in air's own sums it makes eddies that are hardly larger than the spacing, which have a limit of short
+/// steps only with this viscosity (`docs/decisions/air.md`).
 fn usual_constant(reader: &Reader<'_>) -> Result<f64, SceneError> {
     let root = reader.root();
     let in_sums = root.read::<Interaction>("interaction")?.model == Model::Particles;
@@ -68,8 +69,8 @@ impl Viscosity {
         self.hair > 0.0 || self.air > 0.0 || self.smagorinsky > 0.0
     }
 
-    /// Coefficient c of unresolved eddies over the deformation |∇v| Δt, from the volume of a particle of air \[m³\] and the
-    /// kernel radius h \[m\].
+    /// Coefficient c of unresolved eddies over the deformation |∇v| Δt, from the volume of a particle of air \[m³\] and
+    /// the kernel radius h \[m\].
     #[must_use]
     pub fn eddies(&self, volume: f64, radius: f64) -> f64 {
         COEFFICIENT * (self.smagorinsky * volume.cbrt() / radius).powi(2)

@@ -1,4 +1,5 @@
-//! Grids of distances that were made before, kept in the folder that `WINDSWEPT_CACHE` names; where it names none, none is kept.
+//! Grids of distances that were made before, kept in the folder that `WINDSWEPT_CACHE` names; where it names none, none
+//! is kept.
 //!
 //! ```text
 //! WINDSWEPT_CACHE/windswept/grids/KEY.grid      KEY: SHA-256 of all that a grid is made of: triangles, spacing, margin, VERSION
@@ -9,8 +10,9 @@
 //!   32 bytes SHA-256 of KEY and of all before
 //! ```
 //!
-//! Numbers are little-endian. A file that is not as it should be counts as none, and is replaced; what cannot be written is left out.
-//! A file is written beside its place and renamed, so that runs side by side see all of it or nothing.
+//! Numbers are little-endian. A file that is not as it should be counts as none, and is replaced; what cannot be
+//! written is left out. A file is written beside its place and renamed, so that runs side by side see all of it or
+//! nothing.
 
 use std::{
     ffi::OsString,
@@ -167,8 +169,8 @@ mod tests {
     use super::*;
     use crate::body::Shape;
 
-    /// A grid comes back to the last bit; a file that is cut, altered or another's counts as none; other triangles and other
-    /// spacings have files of their own, and the oldest go.
+    /// A grid comes back to the last bit; a file that is cut, altered or another's counts as none; other triangles and
+    /// other spacings have files of their own, and the oldest go.
     #[test]
     fn grids_come_back_as_they_were() {
         let folder = tempfile::tempdir().unwrap_or_else(|error| panic!("{error}"));

@@ -10,13 +10,13 @@ use super::Triangles;
 const WELD: f64 = 1e-6;
 
 impl Triangles {
-    /// The triangles with every hole covered, and the number of holes. Points that are a millionth of the longest side apart become
-    /// one: what files divide along seams, and what rounding has moved. Triangles of less than three points go, and so do normals, places
-    /// in the texture and names.
+    /// The triangles with every hole covered, and the number of holes. Points that are a millionth of the longest side
+    /// apart become one: what files divide along seams, and what rounding has moved. Triangles of less than three
+    /// points go, and so do normals, places in the texture and names.
     ///
-    /// The edges of all triangles, each counted along its direction, form loops where they do not cancel. A loop is covered by a fan
-    /// about the mean of its points, which is exact for a flat hole that its middle sees the rim of. A triangle that
-    /// is turned around is a loop too, walked through twice: two more of it the right way make it right.
+    /// The edges of all triangles, each counted along its direction, form loops where they do not cancel. A loop is
+    /// covered by a fan about the mean of its points, which is exact for a flat hole that its middle sees the rim of. A
+    /// triangle that is turned around is a loop too, walked through twice: two more of it the right way make it right.
     #[must_use]
     pub fn closed(&self) -> (Self, usize) {
         let mut all = self.welded();

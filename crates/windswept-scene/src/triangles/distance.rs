@@ -17,11 +17,13 @@ use super::{
 };
 use crate::{error::SceneError, limits::MAX_GRID_VALUES};
 
-/// Reach of distances that are measured from triangles \[spacings\]. Beyond it a node takes the point of the surface that is nearest to
-/// a node beside it: that is quicker, and the farther away the surface is, the less it matters which of its points is taken.
+/// Reach of distances that are measured from triangles \[spacings\]. Beyond it a node takes the point of the surface
+/// that is nearest to a node beside it: that is quicker, and the farther away the surface is, the less it matters which
+/// of its points is taken.
 const BAND: f64 = 8.0;
-/// Most that is looked at for a node, on average \[nodes of the tree\]: eight times as much as for a ball of 260 000 triangles, which takes
-/// the most, 146, of all meshes that tests have; a ball of [`crate::limits::MAX_TRIANGLES`] would take four times as much as that.
+/// Most that is looked at for a node, on average \[nodes of the tree\]: eight times as much as for a ball of 260 000
+/// triangles, which takes the most, 146, of all meshes that tests have; a ball of [`crate::limits::MAX_TRIANGLES`]
+/// would take four times as much as that.
 const MAX_LOOKS: u64 = 1200;
 /// Nodes along an axis, of which one is tried before all are filled.
 const TRIED: usize = 8;
@@ -72,9 +74,9 @@ impl Patience {
 
 /// Signed distance from a closed surface, negative inside, at the nodes of a grid of cubes.
 ///
-/// Between nodes the distance is trilinear: next to a surface with the radius of curvature R it is off by up to h²/(4 R), h being
-/// the spacing, and its gradient is continuous in a cell only. Farther than eight spacings from the surface a node may have a
-/// distance that is too large by up to a quarter of a spacing, as measured on balls.
+/// Between nodes the distance is trilinear: next to a surface with the radius of curvature R it is off by up to h²/(4
+/// R), h being the spacing, and its gradient is continuous in a cell only. Farther than eight spacings from the surface
+/// a node may have a distance that is too large by up to a quarter of a spacing, as measured on balls.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DistanceGrid {
     /// First node \[m\].
@@ -88,15 +90,15 @@ pub struct DistanceGrid {
 }
 
 impl DistanceGrid {
-    /// The spacing that a surface in a box of these corners is given where nobody says another \[m\]: 2 mm, or so much less that its
-    /// longest side has 128 cells.
+    /// The spacing that a surface in a box of these corners is given where nobody says another \[m\]: 2 mm, or so much
+    /// less that its longest side has 128 cells.
     #[must_use]
     pub fn spacing_for([low, high]: [DVec3; 2]) -> f64 {
         SPACING.min((high - low).max_element() / CELLS)
     }
 
-    /// The distances of a surface without holes ([`Triangles::closed`]) in metres, with nodes `spacing` \[m\] apart that reach at
-    /// least `margin` \[m\] beyond it. What the surface winds about, either way, is inside.
+    /// The distances of a surface without holes ([`Triangles::closed`]) in metres, with nodes `spacing` \[m\] apart
+    /// that reach at least `margin` \[m\] beyond it. What the surface winds about, either way, is inside.
     ///
     /// Rows of nodes are shared out to the machine's cores; the values do not depend on how many there are.
     ///
@@ -148,8 +150,8 @@ impl DistanceGrid {
         Ok(grid)
     }
 
-    /// Distances near the surface from the triangles, beyond from the points of the surface that neighbours are nearest to, and
-    /// signs last.
+    /// Distances near the surface from the triangles, beyond from the points of the surface that neighbours are nearest
+    /// to, and signs last.
     fn fill(&mut self, tree: &Tree) -> Result<(), SceneError> {
         let (origin, spacing) = (self.origin, self.spacing);
         self.try_some(tree)?;
@@ -194,7 +196,8 @@ impl DistanceGrid {
         Ok(())
     }
 
-    /// Looks for the distances and signs of a few nodes, which are soon too many where those of all would take very long.
+    /// Looks for the distances and signs of a few nodes, which are soon too many where those of all would take very
+    /// long.
     fn try_some(&self, tree: &Tree) -> Result<(), SceneError> {
         let [columns, rows, layers] = self.counts.map(|count| (0..count).step_by(TRIED));
         let patience = Patience::new(columns.len() * rows.len() * layers.len());
@@ -213,7 +216,8 @@ impl DistanceGrid {
         Ok(())
     }
 
-    /// Runs over rows of nodes along x on all cores: with the place of a row's first node \[m\], and what is at its nodes.
+    /// Runs over rows of nodes along x on all cores: with the place of a row's first node \[m\], and what is at its
+    /// nodes.
     fn each_row<T: Send>(&self, nodes: &mut [T], run: impl Fn(DVec3, &mut [T]) + Sync) {
         let [columns, rows, layers] = self.counts.map(|count| count as usize);
         let waiting = Mutex::new(nodes.chunks_exact_mut(columns).enumerate());
@@ -232,8 +236,8 @@ impl DistanceGrid {
         });
     }
 
-    /// Goes over all nodes in each of the eight diagonal directions, and gives each the point of the surface that a node before it
-    /// has, if that is nearer (Danielsson 1980, Euclidean distance mapping).
+    /// Goes over all nodes in each of the eight diagonal directions, and gives each the point of the surface that a
+    /// node before it has, if that is nearer (Danielsson 1980, Euclidean distance mapping).
     fn spread(&self, nodes: &mut [(f32, Vec3)]) {
         let [nx, ny, nz] = self.counts.map(|count| count as usize);
         let spacing = self.spacing as f32;
@@ -260,10 +264,11 @@ impl DistanceGrid {
         }
     }
 
-    /// Signed distance of `x` from the surface \[m\], negative inside, and the unit vector along its gradient, which leads out.
+    /// Signed distance of `x` from the surface \[m\], negative inside, and the unit vector along its gradient, which
+    /// leads out.
     ///
-    /// Beyond the grid the distance is the least that the one at its side allows: it is no more than the true one, but for what
-    /// nodes are off.
+    /// Beyond the grid the distance is the least that the one at its side allows: it is no more than the true one, but
+    /// for what nodes are off.
     #[must_use]
     pub fn signed_distance(&self, x: DVec3) -> (f64, DVec3) {
         let last = DVec3::from_array(self.counts.map(|count| f64::from(count - 1)));
@@ -274,7 +279,8 @@ impl DistanceGrid {
         if beyond == DVec3::ZERO {
             return (distance, normal);
         }
-        // The nearest point of the surface is on the other side of the plane through `inside`, across the way from there.
+        // The nearest point of the surface is on the other side of the plane through `inside`, across the way from
+        // there.
         let along = DVec3::select(beyond.cmpeq(DVec3::ZERO), normal, DVec3::ZERO);
         (beyond.length().hypot(distance), (beyond + distance * along).normalize())
     }

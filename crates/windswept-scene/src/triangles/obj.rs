@@ -10,7 +10,8 @@ use crate::{error::SceneError, limits::MAX_TRIANGLES};
 /// Most groups that a face is in: names of each part are kept, so that more would take memory without end.
 const MAX_GROUPS: usize = 64;
 
-/// The line, from 1, with which the lines up to it begin to be faulty, of those that were read until the fault was seen.
+/// The line, from 1, with which the lines up to it begin to be faulty, of those that were read until the fault was
+/// seen.
 fn line_of(read: &[u8], is_faulty: impl Fn(&[u8]) -> bool) -> usize {
     let lines: Vec<&[u8]> = read.split_inclusive(|byte| *byte == b'\n').collect();
     let (mut sound, mut faulty) = (0, lines.len());
@@ -32,8 +33,8 @@ fn line_of(read: &[u8], is_faulty: impl Fn(&[u8]) -> bool) -> usize {
 /// First words of the lines that indices count, and what the lines hold.
 const INDEXED: [(&str, &str); 3] = [("v", "points"), ("vt", "places in the texture"), ("vn", "normals")];
 
-/// Refuses more faces than a mesh may have, and an index that leads to nothing: the crate multiplies indices before it looks at them. One below 0
-/// counts back from its line.
+/// Refuses more faces than a mesh may have, and an index that leads to nothing: the crate multiplies indices before it
+/// looks at them. One below 0 counts back from its line.
 fn check_faces(text: &str) -> Result<(), SceneError> {
     let lines = || {
         let lines = text.split('\n').map(str::split_whitespace);
@@ -73,7 +74,8 @@ fn check_faces(text: &str) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Refuses faces that are none, and a file that ends within a line although some of its points are of no face yet: it was cut off there.
+/// Refuses faces that are none, and a file that ends within a line although some of its points are of no face yet: it
+/// was cut off there.
 fn check_whole(text: &str) -> Result<(), SceneError> {
     let is_whole = text.ends_with('\n');
     let (mut points, mut used) = (0_u64, HashSet::new());
@@ -113,7 +115,8 @@ struct Names<'a> {
 }
 
 impl Names<'_> {
-    /// Each name by itself. Some programs write groups with blanks in their names: all words of the groups are a name too.
+    /// Each name by itself. Some programs write groups with blanks in their names: all words of the groups are a name
+    /// too.
     fn each(self) -> Vec<Arc<str>> {
         let groups = self.groups.split_whitespace().filter(|group| *group != self.groups);
         let names = [self.object, self.groups].into_iter().chain(groups).chain([self.material]);
@@ -121,8 +124,9 @@ impl Names<'_> {
     }
 }
 
-/// The file with the number of its names as the one name of each face, and what the numbers stand for: the crate knows an object or a
-/// group of each face, and materials only of a library, whose properties do not matter here. Lines keep their numbers.
+/// The file with the number of its names as the one name of each face, and what the numbers stand for: the crate knows
+/// an object or a group of each face, and materials only of a library, whose properties do not matter here. Lines keep
+/// their numbers.
 fn numbered(given: &str) -> Result<(String, Vec<Names<'_>>), SceneError> {
     let mut text = String::with_capacity(given.len() + 1);
     let mut names = vec![Names::default()];

@@ -20,8 +20,8 @@ pub(super) struct Tree {
 /// A triangle, and all that have its corners too: no box would tell them apart.
 struct Face {
     corners: [DVec3; 3],
-    /// Number of those that are turned as it is, less those that are turned around. Where both are as many it does not bound anything, but is
-    /// as near as any other.
+    /// Number of those that are turned as it is, less those that are turned around. Where both are as many it does not
+    /// bound anything, but is as near as any other.
     weight: f64,
 }
 
@@ -209,7 +209,8 @@ fn nearest(&[a, b, c]: &[DVec3; 3], x: DVec3) -> DVec3 {
     a + (vb * ab + vc * ac) / sum
 }
 
-/// Solid angle of a triangle seen from `x`, positive from the side that its normal is not on (Van Oosterom and Strackee 1983).
+/// Solid angle of a triangle seen from `x`, positive from the side that its normal is not on (Van Oosterom and Strackee
+/// 1983).
 fn angle(triangle: &[DVec3; 3], x: DVec3) -> f64 {
     let [a, b, c] = triangle.map(|corner| corner - x);
     let [l, m, n] = [a, b, c].map(DVec3::length);
@@ -222,7 +223,8 @@ fn angle(triangle: &[DVec3; 3], x: DVec3) -> f64 {
 mod tests {
     use super::*;
 
-    /// Of triangles with the same corners one is kept, which weighs what all do: those that are turned around count against it.
+    /// Of triangles with the same corners one is kept, which weighs what all do: those that are turned around count
+    /// against it.
     #[test]
     fn doubles_weigh_and_are_searched_once() {
         let corners = [[0, 1, 2], [3, 1, 2], [1, 2, 0], [2, 0, 1], [1, 0, 2], [1, 3, 2], [2, 1, 0], [0, 1, 3]];

@@ -14,7 +14,8 @@ use windswept_scene::{InitialState, Scene, Strands, Triangles, npy_head};
 /// The scene that a newcomer runs first.
 pub(crate) const QUICK: &str = include_str!("../../../../examples/scenes/quick.toml");
 
-/// 60 strands of 11 points, 10 mm apart, in a box of air with which they are one fluid, on its lattice; all else by default.
+/// 60 strands of 11 points, 10 mm apart, in a box of air with which they are one fluid, on its lattice; all else by
+/// default.
 pub(crate) const BRUSH: &str = "
 interaction.model = \"particles\"
 time = { step = 0.69e-3, duration = 1.0 }
@@ -90,7 +91,8 @@ impl Folder {
     }
 }
 
-/// Corners of a box of sides 2 `half`, each face a grid of `n` by `n` squares without those that `hole(face, i, j)` says.
+/// Corners of a box of sides 2 `half`, each face a grid of `n` by `n` squares without those that `hole(face, i, j)`
+/// says.
 pub(crate) fn box_of(half: DVec3, n: u32, hole: impl Fn(usize, u32, u32) -> bool) -> Triangles {
     let mut all = Triangles::default();
     for face in 0..6 {

@@ -29,7 +29,8 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     for &solver in extent.of(&[FluidSolver::Divergence, FluidSolver::Pbf][..], &[FluidSolver::Divergence]) {
         for (wind, (name, crowd)) in WINDS.into_iter().flat_map(|wind| CROWDS.iter().map(move |crowd| (wind, crowd))) {
             let mut scene = air::scene(&format!("fluid.solver = \"{}\"", solver.word()))?;
-            // No fringe to enter through: the wind carries the air, and says how much the solver `divergence` spreads it.
+            // No fringe to enter through: the wind carries the air, and says how much the solver `divergence` spreads
+            // it.
             if let Some(air) = &mut scene.air {
                 (air.wind, air.fringe) = ([wind, 0.0, 0.0], 0.0);
             }

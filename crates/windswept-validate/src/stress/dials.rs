@@ -11,14 +11,15 @@ use crate::{
 pub(super) const SWEPT: &str = "viscosity.hair 0 to 100; strength of a band of three particle spacings 0 to 1000, and 1 to 8 bands, of intensity 0.3 and 10; \
     16 bodies; each model and fluid solver, those without particles of air with bodies only; wind of 3 m/s, bands without a fringe";
 
-/// Kinetic energy of the air, over that of its wind, which is beyond all bounds without bands. Bands of intensity I may add (n I)²: each is
-/// strengthened up to I times the wind's speed at most, and these are of neighbouring scales, so that their speeds add up.
+/// Kinetic energy of the air, over that of its wind, which is beyond all bounds without bands. Bands of intensity I may
+/// add (n I)²: each is strengthened up to I times the wind's speed at most, and these are of neighbouring scales, so
+/// that their speeds add up.
 const WILD: f64 = 2.0;
 const LOOKS: u64 = 30;
 const STRIDE: u64 = 5;
 const WIND: f64 = 3.0;
-/// Intensity of a band, up to which it is strengthened: at the usual one the strength soon changes nothing more, at the other the limit is
-/// what a step resolves, 2.2 times the wind.
+/// Intensity of a band, up to which it is strengthened: at the usual one the strength soon changes nothing more, at the
+/// other the limit is what a step resolves, 2.2 times the wind.
 const USUAL: f64 = 0.3;
 const INTENSE: f64 = 10.0;
 /// Scale of a single band, three particle spacings, and of the first of several \[m\].

@@ -1,4 +1,5 @@
-//! Strands that are none: an error that names them; and strands that start far from any shape of theirs: whole again soon.
+//! Strands that are none: an error that names them; and strands that start far from any shape of theirs: whole again
+//! soon.
 
 use glam::DVec3;
 use rand::{Rng, SeedableRng};

@@ -78,7 +78,8 @@ fn reset(simulation: &Simulation) -> Result<(), Error> {
     Ok(engine.write(&engine.state().strand_history, &strands)?)
 }
 
-/// Names of the arrays of the state whose bytes differ, and the number of these bytes. Only the point that was found invalid is left out.
+/// Names of the arrays of the state whose bytes differ, and the number of these bytes. Only the point that was found
+/// invalid is left out.
 fn differing(one: &Simulation, other: &Simulation) -> Result<(String, usize), Error> {
     let (a, b) = (one.engine(), other.engine());
     let (mut names, mut bytes) = (String::new(), 0);

@@ -54,7 +54,8 @@ fn runs(gpu: &Gpu, extent: Extent, couplings: &[(&str, &[&str])]) -> Result<Vec<
     let mut stretched = Sweep::new("largest stretch", 0.01, "");
     let mut resets = Sweep::new("strands reset", 0.0, "");
     let mut places = Sweep::new("hair without particles of air, last quarter off second", 1e-3, "L");
-    // The energy of `particles` with `divergence` scattered by 0.054 in 1000 steps and by 0.052 in 3000, where 0.05 is allowed.
+    // The energy of `particles` with `divergence` scattered by 0.054 in 1000 steps and by 0.052 in 3000, where 0.05 is
+    // allowed.
     let steps = extent.of(100_000, 9000);
     // Eddies come and go, so that a mean needs many looks.
     let looks = extent.of(1000, 300);
@@ -108,11 +109,11 @@ fn small(gpu: &Gpu, coupling: &str, keys: &[&str]) -> Result<Simulation, Error> 
 /// Steps of a batch while memory is watched.
 const STEPS_PER_BATCH: u64 = 4;
 
-/// Growth of this process's memory in ten thousand steps, after as many as a third of them; nothing else may run in it. Without a
-/// sample where the system does not tell.
+/// Growth of this process's memory in ten thousand steps, after as many as a third of them; nothing else may run in it.
+/// Without a sample where the system does not tell.
 ///
-/// Every batch has as many steps: left to itself a simulation runs as many in one as take 0.1 s, more once the machine has less other
-/// work, and the driver may keep memory for each of them.
+/// Every batch has as many steps: left to itself a simulation runs as many in one as take 0.1 s, more once the machine
+/// has less other work, and the driver may keep memory for each of them.
 ///
 /// # Errors
 /// [`Error`] if the run cannot be.
@@ -130,8 +131,8 @@ pub fn memory(gpu: &Gpu) -> Result<Sweep, Error> {
     Ok(grown)
 }
 
-/// Memory of this process that is in use \[MiB\], where the system tells it as Linux does: without the pages of files, such as the
-/// program's text, which come and go as other programs need memory.
+/// Memory of this process that is in use \[MiB\], where the system tells it as Linux does: without the pages of files,
+/// such as the program's text, which come and go as other programs need memory.
 fn anonymous_mib() -> Option<f64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("RssAnon:"))?;

@@ -28,7 +28,8 @@ const BLOWN: &[&str] = &["air.wind=[10,0,0]"];
 const FALLING: &[&str] = &["hair.roots.direction=[1,0,0]"];
 /// Density of a hair \[kg/m³\].
 const DENSITY: f64 = 1320.0;
-/// Hair's mass over its own, mass of a point over that of its neighbours, fibres of a strand; the last setting is two at once.
+/// Hair's mass over its own, mass of a point over that of its neighbours, fibres of a strand; the last setting is two
+/// at once.
 const MASSES: &[(f64, f64, f64)] = &[
     (1.0, 1e4, 1.0),
     (1.0, 1e4, 30.0),
@@ -82,7 +83,8 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     Ok(all.into())
 }
 
-/// What happens to strands of which every second point is so much lighter, and the change of momentum where nothing is held.
+/// What happens to strands of which every second point is so much lighter, and the change of momentum where nothing is
+/// held.
 fn run(gpu: &Gpu, keys: &[&[&str]], lighter: f64) -> Result<(Felt, Option<f64>), Error> {
     let scene = scene(TUFT, keys)?;
     let mut initial = InitialState::new(&scene)?;

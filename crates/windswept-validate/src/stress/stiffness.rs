@@ -76,8 +76,8 @@ const SHORT: f64 = 0.05;
 const FEW: usize = 8;
 const SOON: u64 = 1500;
 
-/// Strands in still air, farther than a kernel radius from one another: how far from a chain of links' the tip of each comes to
-/// rest \[L\], and its largest stretch on the way beyond that of its weight.
+/// Strands in still air, farther than a kernel radius from one another: how far from a chain of links' the tip of each
+/// comes to rest \[L\], and its largest stretch on the way beyond that of its weight.
 fn in_still_air(gpu: &Gpu, keys: &[&str], bends: &[f64]) -> Result<(Felt, Vec<(f64, f64)>), Error> {
     let depth = 0.012 * bends.len().max(3) as f64;
     let group = |(i, bend): (usize, &f64)| {
@@ -124,13 +124,14 @@ fn in_still_air(gpu: &Gpu, keys: &[&str], bends: &[f64]) -> Result<(Felt, Vec<(f
 
 /// Where the tip of a level chain of `n` links of equal length hangs, from its root \[L\].
 ///
-/// The links do not stretch. Their joints have the moment (EI/l) sin Δ of a rod's, the clamp's, of half the length, twice that;
-/// half of a link's weight hangs on each of its ends. It is found by shooting from the tip, from whose angle φ off the plumb line all
-/// others follow inward, so that the clamp is level.
+/// The links do not stretch. Their joints have the moment (EI/l) sin Δ of a rod's, the clamp's, of half the length,
+/// twice that; half of a link's weight hangs on each of its ends. It is found by shooting from the tip, from whose
+/// angle φ off the plumb line all others follow inward, so that the clamp is level.
 #[must_use]
 pub fn chain_tip(gamma: f64, n: usize) -> DVec3 {
     let l = 1.0 / n as f64;
-    // Angles off the plumb line, tip first, and the clamp's; `None` where it stands above level, or bends more than it can.
+    // Angles off the plumb line, tip first, and the clamp's; `None` where it stands above level, or bends more than it
+    // can.
     let shoot = |tip: f64| -> Option<Vec<f64>> {
         let (mut all, mut below, mut lever) = (vec![tip], 0.0, 0.0);
         for k in (0..n).rev() {

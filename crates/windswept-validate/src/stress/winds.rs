@@ -15,7 +15,8 @@ const WINDS: [f64; 6] = [0.0, 3.0, 30.0, 100.0, 300.0, 1000.0];
 const FRAMES: u64 = 12;
 const FRAME: u64 = 12;
 
-/// A way in which the wind changes: the step \[s\], the steps between changes, and the part of the wind that blows after `n` of them.
+/// A way in which the wind changes: the step \[s\], the steps between changes, and the part of the wind that blows
+/// after `n` of them.
 struct Change {
     name: &'static str,
     step: f64,

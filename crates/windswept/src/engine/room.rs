@@ -12,8 +12,9 @@ use crate::{
     upload::meshes::Meshes,
 };
 
-/// Elements of the neighbour list per cluster at the start: eight heads, and on the lattice some 75 particles near its eight (h/d = 1.92),
-/// which take four groups of eight elements, and air that is near hair a fifth. In its first 60 steps fig2b needs up to 44.
+/// Elements of the neighbour list per cluster at the start: eight heads, and on the lattice some 75 particles near its
+/// eight (h/d = 1.92), which take four groups of eight elements, and air that is near hair a fifth. In its first 60
+/// steps fig2b needs up to 44.
 const LIST_PER_CLUSTER: u64 = 48;
 
 /// Size of a node of the band filter's grid in each of its buffers: four f32 \[bytes\].
@@ -21,7 +22,8 @@ const NODE_BYTES: u64 = 16;
 
 /// The limits that a device of the caller's own must have for this scene: WebGPU's defaults, and room for the largest
 /// buffer. The neighbour list is cut into pages that fit, and may still have to grow; more room lets it. On a software
-/// adapter passes run three to four times as fast if the device has the adapter's `max_storage_textures_per_shader_stage` too.
+/// adapter passes run three to four times as fast if the device has the adapter's
+/// `max_storage_textures_per_shader_stage` too.
 ///
 /// # Errors
 /// [`SceneError`] when the initial state cannot be made.
@@ -38,7 +40,8 @@ pub fn required_limits(scene: &Scene) -> Result<wgpu::Limits, SceneError> {
     })
 }
 
-/// Refuses a scene of which a part is known to be too large for the adapter before its initial state is made, which may take gigabytes.
+/// Refuses a scene of which a part is known to be too large for the adapter before its initial state is made, which may
+/// take gigabytes.
 pub(crate) fn check_room(gpu: &Gpu, scene: &Scene, groom: Option<&Groom>) -> Result<(), GpuError> {
     check_sizes(gpu, &State::new(&least_sizes(scene, groom)).arrays())
 }
@@ -54,8 +57,8 @@ pub(super) fn check_nodes(gpu: &Gpu, meshes: &Meshes) -> Result<(), GpuError> {
     Err(GpuError::BandTooFine { scale: meshes.finest, nodes: meshes.nodes, most, fits })
 }
 
-/// The sizes of a setup at the start of a run, on a device that binds at most so many bytes: a neighbour list of the usual length, in as
-/// few pages as the device allows.
+/// The sizes of a setup at the start of a run, on a device that binds at most so many bytes: a neighbour list of the
+/// usual length, in as few pages as the device allows.
 pub(crate) fn first_sizes(largest_binding: u64, setup: &Setup<'_>) -> Sizes {
     let (sizes, limit) = (setup.sizes(), largest_page(largest_binding).max(1));
     // A page has heads for whole workgroups of clusters.

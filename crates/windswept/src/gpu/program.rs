@@ -121,7 +121,8 @@ impl Program {
         self.dispatches.chunk_by(|_, next| next.copies.is_empty())
     }
 
-    /// Runs the recording once, and returns the passes' times and when each of them ran; without timestamps it runs all the same.
+    /// Runs the recording once, and returns the passes' times and when each of them ran; without timestamps it runs all
+    /// the same.
     pub(crate) fn run_profiled(&self, gpu: &Gpu) -> Result<(Profile, Vec<Span>), GpuError> {
         let failed = |error: &dyn std::fmt::Display| GpuError::Driver {
             doing: "timing the passes".to_owned(),
@@ -274,8 +275,8 @@ impl Dispatch {
         pass.dispatch_workgroups(across, down, 1);
     }
 
-    /// Submits a run of no workgroups. A driver that compiles a pipeline where it runs first does so from now on, in its own thread,
-    /// while the next pipeline is made.
+    /// Submits a run of no workgroups. A driver that compiles a pipeline where it runs first does so from now on, in
+    /// its own thread, while the next pipeline is made.
     fn begin_to_compile(&self, gpu: &Gpu) -> Result<(), GpuError> {
         gpu.checked(
             || format!("compiling {}", self.pass),

@@ -1,8 +1,8 @@
 //! Which arrays passes read as textures on a software adapter (`shaders/build/software.rs`).
 //!
-//! Such an array has a buffer all the same, which passes write. It is copied to its texture before the first pass that reads it there, and
-//! again before the next one that does after a pass has written it. A texture is whole rows of texels. Arrays that are not needed as
-//! textures at the same time share one (`aliasing.rs`).
+//! Such an array has a buffer all the same, which passes write. It is copied to its texture before the first pass that
+//! reads it there, and again before the next one that does after a pass has written it. A texture is whole rows of
+//! texels. Arrays that are not needed as textures at the same time share one (`aliasing.rs`).
 
 use std::ops::Range;
 
@@ -16,8 +16,8 @@ pub(crate) struct Reading {
     pub(crate) array: AnyArray,
     /// Bytes of a texel.
     pub(crate) texel: u32,
-    /// When it is in the texture: from a pass before which it is copied there to the last one that reads that copy, by their places
-    /// among the passes that run.
+    /// When it is in the texture: from a pass before which it is copied there to the last one that reads that copy, by
+    /// their places among the passes that run.
     pub(crate) times: Vec<Range<usize>>,
 }
 
@@ -48,8 +48,9 @@ pub(crate) fn readings(recording: &Recording) -> Vec<Reading> {
     all
 }
 
-/// Rows of the texture that holds an array: no power of two. Mesa's software driver compiles a pass for textures whose height is one, and
-/// again for those whose height is none, so that the passes of another simulation would be compiled anew.
+/// Rows of the texture that holds an array: no power of two. Mesa's software driver compiles a pass for textures whose
+/// height is one, and again for those whose height is none, so that the passes of another simulation would be compiled
+/// anew.
 pub(crate) fn rows(array: &AnyArray) -> u64 {
     let rows = array.bytes().div_ceil(TEXTURE_ROW.into());
     if rows.is_power_of_two() { (rows | 1).max(3) } else { rows }

@@ -30,18 +30,18 @@ pub struct PlanRow {
     pub band: Option<usize>,
     /// How often it runs in a substep.
     pub runs: u32,
-    /// Number of invocations that a substep asks for, of all its [`Self::runs`] together. A text whose invocations share the work runs more
-    /// ([`Pass::shares`](windswept_shaders::Pass::shares)).
+    /// Number of invocations that a substep asks for, of all its [`Self::runs`] together. A text whose invocations
+    /// share the work runs more ([`Pass::shares`](windswept_shaders::Pass::shares)).
     pub invocations: u64,
     /// Operations of each of these invocations.
     pub operations: Operations,
-    /// Clusters of particles that it goes through, each with its neighbours, by their numbers: those of hair come first. None if it goes
-    /// through no clusters.
+    /// Clusters of particles that it goes through, each with its neighbours, by their numbers: those of hair come
+    /// first. None if it goes through no clusters.
     pub clusters: Range<u32>,
-    /// Memory traffic of all its [`Self::runs`] together \[bytes\], by a simple model: an array that the pass reads is read once as a
-    /// whole, one that it writes is written once, and one that it does both with counts twice. Caches are taken to catch
-    /// whatever is read again, and the neighbour list is taken to be as long as it is at the start of a run. A pass that
-    /// looks at a part of an array moves less, one whose reads miss the caches moves more.
+    /// Memory traffic of all its [`Self::runs`] together \[bytes\], by a simple model: an array that the pass reads is
+    /// read once as a whole, one that it writes is written once, and one that it does both with counts twice. Caches
+    /// are taken to catch whatever is read again, and the neighbour list is taken to be as long as it is at the start
+    /// of a run. A pass that looks at a part of an array moves less, one whose reads miss the caches moves more.
     pub bytes: u64,
     /// Why it does not run.
     pub skipped: Option<String>,
@@ -67,10 +67,11 @@ pub struct BufferRow {
     pub len: u64,
     /// Size of an element \[bytes\].
     pub stride: u64,
-    /// The largest buffer of those in the same memory, no two of which are needed at a time; its own name where it is the largest.
+    /// The largest buffer of those in the same memory, no two of which are needed at a time; its own name where it is
+    /// the largest.
     pub memory: &'static str,
-    /// Size of the texture that a software adapter that reads storage buffers slowly has besides for this buffer, and perhaps for smaller
-    /// ones; 0 if for none \[bytes\].
+    /// Size of the texture that a software adapter that reads storage buffers slowly has besides for this buffer, and
+    /// perhaps for smaller ones; 0 if for none \[bytes\].
     pub texture_bytes: u64,
     /// What it holds, with its unit.
     pub doc: &'static str,
@@ -90,7 +91,8 @@ impl BufferRow {
     }
 }
 
-/// The buffers of a setup at the start of a run, how they share memory, and the largest array of each texture on a software adapter.
+/// The buffers of a setup at the start of a run, how they share memory, and the largest array of each texture on a
+/// software adapter.
 fn first_memory(setup: &Setup<'_>) -> (Vec<AnyArray>, Aliasing, Vec<AnyArray>) {
     let state = State::new(&first_sizes(u64::MAX, setup));
     let (arrays, recordings) = (state.arrays(), step::recordings(&state, &Plan::new(setup)));

@@ -71,7 +71,8 @@ impl About {
     }
 }
 
-/// Files that a scene's text only names, by what they are to it, each with the checksum of its bytes; without one where it cannot be read.
+/// Files that a scene's text only names, by what they are to it, each with the checksum of its bytes; without one where
+/// it cannot be read.
 pub(super) type Files = Vec<(String, Option<u32>)>;
 
 /// The groom files and meshes of a scene, as they are now.
@@ -208,8 +209,8 @@ impl Checkpoint {
         decoded(&self.file, NOTES, &self.notes)
     }
 
-    /// The adapter to go on with: the one that `flag` names, as [`AdapterChoice::from_flag`]; without a flag the one that the simulation
-    /// ran on, if it is there.
+    /// The adapter to go on with: the one that `flag` names, as [`AdapterChoice::from_flag`]; without a flag the one
+    /// that the simulation ran on, if it is there.
     #[must_use]
     pub fn choice(&self, flag: Option<&str>) -> AdapterChoice {
         let own = || flag.is_none() && adapters().contains(&self.about.adapter);
@@ -219,18 +220,18 @@ impl Checkpoint {
         }
     }
 
-    /// A sentence that says whether the adapter or the version of windswept is another than that of the saved run, so that the run goes on
-    /// with other bits; `None` if both are the same.
+    /// A sentence that says whether the adapter or the version of windswept is another than that of the saved run, so
+    /// that the run goes on with other bits; `None` if both are the same.
     #[must_use]
     pub fn differs(&self, gpu: &Gpu) -> Option<String> {
         self.about.differs_from(&About::of(gpu))
     }
 
-    /// The simulation, as it was when it was saved. On the same adapter it goes on with the same bits; on another one, or with another
-    /// version of windswept, [`Simulation::warnings`] says so.
+    /// The simulation, as it was when it was saved. On the same adapter it goes on with the same bits; on another one,
+    /// or with another version of windswept, [`Simulation::warnings`] says so.
     ///
-    /// A simulation whose run was ended by something that is not finite is as it was before that step, which it takes again. Timings
-    /// start anew, and [`Simulation::step_timed`] and the trace with them.
+    /// A simulation whose run was ended by something that is not finite is as it was before that step, which it takes
+    /// again. Timings start anew, and [`Simulation::step_timed`] and the trace with them.
     ///
     /// # Errors
     /// [`CheckpointError::Start`] if the simulation does not fit the adapter, [`CheckpointError::Content`] if what was saved does not
@@ -284,11 +285,12 @@ impl Checkpoint {
 }
 
 impl Simulation {
-    /// Saves the simulation to a file, from which [`Self::load`] goes on with the same bits: all that lasts from step to step, the scene,
-    /// the strands and air that it started from, what was set since, and by which windswept and on which adapter it ran.
+    /// Saves the simulation to a file, from which [`Self::load`] goes on with the same bits: all that lasts from step
+    /// to step, the scene, the strands and air that it started from, what was set since, and by which windswept and on
+    /// which adapter it ran.
     ///
-    /// The file is written beside `path` (its name with `.part` behind it), flushed to the disk and renamed: whatever becomes of the
-    /// process, `path` is a whole checkpoint or what it was before.
+    /// The file is written beside `path` (its name with `.part` behind it), flushed to the disk and renamed: whatever
+    /// becomes of the process, `path` is a whole checkpoint or what it was before.
     ///
     /// # Errors
     /// [`CheckpointError::File`] if the file cannot be written, [`CheckpointError::Text`] for a scene that was made in code and is no scene
@@ -324,7 +326,8 @@ impl Simulation {
         self.write(Vec::new(), "the simulation", &())
     }
 
-    /// Goes on with a simulation that [`Self::save`] wrote. To look at what was saved before it is on a GPU, use [`Checkpoint`].
+    /// Goes on with a simulation that [`Self::save`] wrote. To look at what was saved before it is on a GPU, use
+    /// [`Checkpoint`].
     ///
     /// # Errors
     /// As [`Checkpoint::open`] and [`Checkpoint::start`].
@@ -361,8 +364,8 @@ impl Simulation {
     }
 }
 
-/// The first row of what a step takes as it finds it that is no number, no rotation or no particle, and why. What a step computes it
-/// looks at itself.
+/// The first row of what a step takes as it finds it that is no number, no rotation or no particle, and why. What a
+/// step computes it looks at itself.
 fn unusable(state: &State, array: &AnyArray, bytes: &[u8]) -> Option<(usize, &'static str)> {
     let is = |names: [&str; 2]| names.contains(&array.name());
     let vector = |x: [f32; 3]| held(&DVec3::from_array(x.map(f64::from)));

@@ -50,10 +50,11 @@ impl Simulation {
         Ok(self.engine.write(&self.engine.state().root_targets, &targets)?)
     }
 
-    /// Pins points of hair to places in the world \[m\], in place of all pins before: `points` are rows of [`Frame`](crate::Frame)'s hair, and
-    /// each goes to its place within the next step of Δt and stays until it is pinned elsewhere or released. A pin is a stiff spring, which
-    /// gives by less than 0.1 mm while a head turns; the last on a strand, and a tip that the scene holds, go exactly. Such a tip that is not
-    /// pinned elsewhere is where the scene has it.
+    /// Pins points of hair to places in the world \[m\], in place of all pins before: `points` are rows of
+    /// [`Frame`](crate::Frame)'s hair, and each goes to its place within the next step of Δt and stays until it is
+    /// pinned elsewhere or released. A pin is a stiff spring, which gives by less than 0.1 mm while a head turns; the
+    /// last on a strand, and a tip that the scene holds, go exactly. Such a tip that is not pinned elsewhere is where
+    /// the scene has it.
     ///
     /// # Errors
     /// [`RunError::Input`] when there is not one place per point, a place is beyond 1e18 m, a point does not exist, is given twice or is a root
@@ -93,8 +94,8 @@ impl Simulation {
     }
 
     /// Sets the mean wind from the next step on \[m/s\], in place of the scene's wind, ramp and gusts. All air takes
-    /// the change in that step. A wind that turns round enters from the other side. `turbulence.speed` does not change. Where the wind is
-    /// faster than the air's pressure keeps up with, [`Self::warnings`] says so.
+    /// the change in that step. A wind that turns round enters from the other side. `turbulence.speed` does not change.
+    /// Where the wind is faster than the air's pressure keeps up with, [`Self::warnings`] says so.
     ///
     /// # Errors
     /// [`RunError::Input`] when it is faster than [`FASTEST_WIND`], or the scene has no `[air]`; [`RunError::Gpu`].

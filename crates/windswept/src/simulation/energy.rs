@@ -16,8 +16,8 @@ struct Air {
 }
 
 impl Simulation {
-    /// Energy ½ |û|² of the first of `turbulence.bands` at each air particle now, by stable id \[m²/s²\], about the wind as far as it
-    /// has risen, in the accurate form whatever the law. Empty when no band is strengthened.
+    /// Energy ½ |û|² of the first of `turbulence.bands` at each air particle now, by stable id \[m²/s²\], about the
+    /// wind as far as it has risen, in the accurate form whatever the law. Empty when no band is strengthened.
     ///
     /// # Errors
     /// As [`Self::density`].

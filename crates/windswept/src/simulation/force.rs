@@ -32,13 +32,15 @@ impl fmt::Debug for Callback {
 }
 
 impl Simulation {
-    /// Sets a force, which pushes hair points and air particles with these accelerations from the next step on, until another one is
-    /// set; without any accelerations nothing is pushed any more. It takes the place of a callback ([`Self::set_force_by`]).
+    /// Sets a force, which pushes hair points and air particles with these accelerations from the next step on, until
+    /// another one is set; without any accelerations nothing is pushed any more. It takes the place of a callback
+    /// ([`Self::set_force_by`]).
     ///
-    /// A hair point has the force m a, which its rod takes implicitly; m is its own mass, without that of air which it carries
-    /// ([`Strands::add_air_mass`](windswept_scene::Strands::add_air_mass)). A held point ignores it. A strand that sleeps wakes when its force
-    /// changes. Air has a Δt added to its velocity in each step; pressure then takes out what would compress the air, and what
-    /// blows through the fringe is still held at the mean wind. The air does not lose what hair gets from this force.
+    /// A hair point has the force m a, which its rod takes implicitly; m is its own mass, without that of air which it
+    /// carries ([`Strands::add_air_mass`](windswept_scene::Strands::add_air_mass)). A held point ignores it. A strand
+    /// that sleeps wakes when its force changes. Air has a Δt added to its velocity in each step; pressure then takes
+    /// out what would compress the air, and what blows through the fringe is still held at the mean wind. The air does
+    /// not lose what hair gets from this force.
     ///
     /// # Errors
     /// [`RunError::Input`] when an array that is not empty has not a row for each point or particle, or something is beyond 1e18;
@@ -49,8 +51,9 @@ impl Simulation {
         Ok(())
     }
 
-    /// Sets a force by a function that is called before each step of Δt with the state as it is then, and returns the accelerations of
-    /// that step, as [`Self::set_force`] takes them. It is called by [`Self::step`] and [`Self::step_timed`], not by [`Self::record`].
+    /// Sets a force by a function that is called before each step of Δt with the state as it is then, and returns the
+    /// accelerations of that step, as [`Self::set_force`] takes them. It is called by [`Self::step`] and
+    /// [`Self::step_timed`], not by [`Self::record`].
     ///
     /// ```no_run
     /// use windswept::{Accelerations, Simulation, glam::DVec3};
@@ -64,8 +67,8 @@ impl Simulation {
     /// }
     /// ```
     ///
-    /// An error that it returns ends the stepping there as [`RunError::Callback`]. A checkpoint holds the accelerations that were set
-    /// last, and not the function: set it again after [`Self::load`].
+    /// An error that it returns ends the stepping there as [`RunError::Callback`]. A checkpoint holds the accelerations
+    /// that were set last, and not the function: set it again after [`Self::load`].
     pub fn set_force_by(
         &mut self,
         force: impl FnMut(&Frame) -> Result<Accelerations, Box<dyn error::Error + Send + Sync>> + Send + Sync + 'static,

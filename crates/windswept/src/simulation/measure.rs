@@ -7,7 +7,8 @@ use crate::{
 };
 
 impl Simulation {
-    /// Density ρ/ρ0 at every particle now, hair points first, then air by stable id; empty when the scene's particles do not meet.
+    /// Density ρ/ρ0 at every particle now, hair points first, then air by stable id; empty when the scene's particles
+    /// do not meet.
     ///
     /// # Errors
     /// [`RunError`] when the neighbour list cannot grow or the device is lost.
@@ -22,7 +23,8 @@ impl Simulation {
         Ok(density)
     }
 
-    /// Vorticity |ω| of the air now by stable id, by the plain SPH sum \[1/s\]; empty when the scene's particles do not meet.
+    /// Vorticity |ω| of the air now by stable id, by the plain SPH sum \[1/s\]; empty when the scene's particles do not
+    /// meet.
     ///
     /// # Errors
     /// As [`Self::density`].

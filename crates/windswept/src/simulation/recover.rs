@@ -1,4 +1,5 @@
-//! What was not finite is put back to rest: strands by the step itself, and all that ended a run if its caller wants it to go on.
+//! What was not finite is put back to rest: strands by the step itself, and all that ended a run if its caller wants it
+//! to go on.
 
 use glam::{DVec3, Vec3};
 use windswept_shaders::common::{
@@ -17,9 +18,9 @@ const NAMED: usize = 10;
 const TRIES: u32 = 3;
 
 impl Simulation {
-    /// Puts back to rest what ended the run with `error`, so that it can go on: the next step is the one that failed. Strands that were
-    /// not finite in it start from their rest shape at their roots. If air was not finite, all air goes back to where it was at the start,
-    /// with the velocity of the mean wind.
+    /// Puts back to rest what ended the run with `error`, so that it can go on: the next step is the one that failed.
+    /// Strands that were not finite in it start from their rest shape at their roots. If air was not finite, all air
+    /// goes back to where it was at the start, with the velocity of the mean wind.
     ///
     /// # Errors
     /// `error` itself, if nothing that can be put back to rest ended the run, or if the same step has failed three times since the

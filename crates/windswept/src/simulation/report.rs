@@ -121,8 +121,9 @@ impl Simulation {
         Ok(sum.filter(|_| self.plan.turbulence.runs))
     }
 
-    /// Impulse that the air has given each body so far, by its pressure and by friction, in the order of the scene \[kg m/s\]; empty without air
-    /// particles. The force on a body in a step is the change of its impulse over the step. What hair gives bodies is not in it.
+    /// Impulse that the air has given each body so far, by its pressure and by friction, in the order of the scene \[kg
+    /// m/s\]; empty without air particles. The force on a body in a step is the change of its impulse over the step.
+    /// What hair gives bodies is not in it.
     ///
     /// # Errors
     /// [`RunError::Gpu`] when the device is lost.
@@ -137,15 +138,15 @@ impl Simulation {
     }
 
     /// Number of substeps that were timed pass by pass: one in every eighth batch, from the second on, and all of
-    /// [`Self::step_timed`]. The times of
-    /// [`Self::pass_times`] are means over them, so that a caller who asks again and again can tell what the newest one took.
+    /// [`Self::step_timed`]. The times of [`Self::pass_times`] are means over them, so that a caller who asks again and
+    /// again can tell what the newest one took.
     #[must_use]
     pub fn timed_steps(&self) -> u64 {
         self.timed_steps
     }
 
-    /// GPU time per pass and step so far: the mean of those of [`Self::timed_steps`] in which the pass ran. Empty where the adapter
-    /// has no timestamps.
+    /// GPU time per pass and step so far: the mean of those of [`Self::timed_steps`] in which the pass ran. Empty where
+    /// the adapter has no timestamps.
     #[must_use]
     pub fn pass_times(&self) -> Vec<PassReport> {
         let mut rows: Vec<PassReport> = Vec::new();

@@ -13,8 +13,8 @@
 //!   u32    CRC-32 of the content
 //! ```
 //!
-//! Numbers are little-endian. A reader asks for the sections by name, in their order, and refuses whatever else it finds. A length is
-//! compared with what is left of the file before there is memory for it.
+//! Numbers are little-endian. A reader asks for the sections by name, in their order, and refuses whatever else it
+//! finds. A length is compared with what is left of the file before there is memory for it.
 
 use std::io::{self, Read, Write};
 

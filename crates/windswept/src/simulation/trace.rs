@@ -11,15 +11,15 @@ impl Simulation {
         self.trace.get_or_insert_default();
     }
 
-    /// Number of passes that [`Self::write_trace`] would write: those of the timed steps since [`Self::keep_trace`]; 0 where
-    /// the adapter has no timestamps.
+    /// Number of passes that [`Self::write_trace`] would write: those of the timed steps since [`Self::keep_trace`]; 0
+    /// where the adapter has no timestamps.
     #[must_use]
     pub fn traced_passes(&self) -> usize {
         self.trace.as_ref().map_or(0, Vec::len)
     }
 
-    /// Writes what was kept as a trace in Chrome's format, which `chrome://tracing` and Perfetto open: a bar for each run of a
-    /// pass, in the GPU's own time. Timed steps are those of [`Self::timed_steps`]; between them are gaps.
+    /// Writes what was kept as a trace in Chrome's format, which `chrome://tracing` and Perfetto open: a bar for each
+    /// run of a pass, in the GPU's own time. Timed steps are those of [`Self::timed_steps`]; between them are gaps.
     ///
     /// # Errors
     /// What the operating system says where the file cannot be written.

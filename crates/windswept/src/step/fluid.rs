@@ -57,7 +57,8 @@ fn density(r: &mut Recorder<'_>, clusters: Range<u32>) {
     r.dispatch_neighbours(&fluid::DENSITY, "density and its multiplier", clusters);
 }
 
-/// Air is spread, then its velocity is freed of divergence: by the pressures of the step before, on a coarse grid, by iterations.
+/// Air is spread, then its velocity is freed of divergence: by the pressures of the step before, on a coarse grid, by
+/// iterations.
 fn pressure(r: &mut Recorder<'_>, plan: &Plan) {
     let n = &plan.sizes;
     r.when(&plan.deformation, |r| {
@@ -100,7 +101,8 @@ fn divergence(r: &mut Recorder<'_>, plan: &Plan, iteration: Index<Iteration>) {
         .bind("iteration", &uniform);
 }
 
-/// Long waves of the divergence are taken out on nodes three spacings apart: particles would pass them on from one to the next.
+/// Long waves of the divergence are taken out on nodes three spacings apart: particles would pass them on from one to
+/// the next.
 fn on_coarse_grid(r: &mut Recorder<'_>, plan: &Plan) {
     let (n, s) = (&plan.sizes, r.state());
     let mesh = s.mesh.at(plan.coarse_axes[0]);

@@ -49,7 +49,8 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     });
 }
 
-/// Particles by the cells of an element of `params`, ordered by index within each, into `sorted`: a counting sort, row by row.
+/// Particles by the cells of an element of `params`, ordered by index within each, into `sorted`: a counting sort, row
+/// by row.
 pub(crate) fn sort(r: &mut Recorder<'_>, cells: Index<Params>, sort: &Sort, sorted: &AnyArray) {
     let params = &r.state().params.at(cells);
     r.run(&sort::CLEAR, "empty the cells", sort.buckets.div_ceil(CELLS).max(sort.clusters)).bind("params", params);

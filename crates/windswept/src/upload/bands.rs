@@ -14,8 +14,8 @@ use windswept_shaders::{
     },
 };
 
-/// Most cells of a block. With not quite 2 air particles in a cell they hold about as many particles as a workgroup of the filter
-/// takes.
+/// Most cells of a block. With not quite 2 air particles in a cell they hold about as many particles as a workgroup of
+/// the filter takes.
 const LARGEST_BLOCK: u32 = 32;
 /// Most pairs that one dispatch of the filter looks at. They take 0.1 s on a software adapter with two cores; drivers
 /// end a dispatch that takes 2 s.

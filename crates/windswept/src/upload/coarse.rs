@@ -27,8 +27,8 @@ impl Coarse {
             nodes: nodes.as_ivec3().to_array(),
             window: QUADRATIC,
             spacing: (air.size / nodes).as_vec3().to_array(),
-            // The symbol is that of a box full of air: where air is missing the pressure is too small, and so stable. The
-            // transform and its inverse leave a factor of the number of nodes.
+            // The symbol is that of a box full of air: where air is missing the pressure is too small, and so stable.
+            // The transform and its inverse leave a factor of the number of nodes.
             gain: (air.volume / air.size.element_product()) as f32,
             ..Mesh::default()
         };

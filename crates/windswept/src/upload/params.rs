@@ -11,7 +11,8 @@ use windswept_shaders::common::{
 
 use crate::upload::rods;
 
-/// Cells of the neighbour search in a kernel radius, per axis: fine along x, where cells of a row follow one another in memory.
+/// Cells of the neighbour search in a kernel radius, per axis: fine along x, where cells of a row follow one another in
+/// memory.
 const CELLS_IN_RADIUS: [f64; 3] = [4.0, 1.0, 1.0];
 /// Most cells in the box of air: hair is sorted into as many of its own.
 const MAX_CELLS: f64 = (MAX_BUCKETS / 2) as f64;
@@ -57,7 +58,8 @@ pub(crate) fn uniform(scene: &Scene, initial: &InitialState) -> Params {
         sleep: u32::from(scene.rods.sleep),
         substeps: scene.time.substeps,
         conserve_momentum: u32::from(scene.turbulence.conserve_momentum),
-        // Hair presses on hair by the density constraint whatever the air's solver; in one fluid with air it is air's that counts.
+        // Hair presses on hair by the density constraint whatever the air's solver; in one fluid with air it is air's
+        // that counts.
         constrained: match (scene.fluid.solver, scene.interaction.model) {
             (FluidSolver::Pbf, _) => hair_points + air_particles,
             (FluidSolver::Divergence, Model::TwoWay) => hair_points,
@@ -121,8 +123,8 @@ pub(crate) fn with_cells(params: &Params, (nodes, spacing): ([f64; 3], [f64; 3])
     }
 }
 
-/// Cells along each axis: as many as there are of their size, at least so many as three kernel radii have, and larger ones where there
-/// would be too many.
+/// Cells along each axis: as many as there are of their size, at least so many as three kernel radii have, and larger
+/// ones where there would be too many.
 fn cells(size: [f64; 3], radius: f64) -> [f64; 3] {
     let fewest = CELLS_IN_RADIUS.map(|n| n * MIN_RADII);
     let mut side = radius;

@@ -2,7 +2,8 @@
 
 use windswept_shaders::fluid::divergence::Iteration;
 
-/// Largest eigenvalue of an iteration with a relaxation of 1, with a margin: 3.5 to 4.3 were measured, on lattices and in flow.
+/// Largest eigenvalue of an iteration with a relaxation of 1, with a margin: 3.5 to 4.3 were measured, on lattices and
+/// in flow.
 const LARGEST_EIGENVALUE: f64 = 4.5;
 
 /// The uniforms of `count` iterations, after one that only finds the divergence.
@@ -13,11 +14,12 @@ pub(crate) fn iterations(count: u32) -> Vec<Iteration> {
 
 /// Relaxations ω of so many iterations.
 ///
-/// The pressures of the step before are kept, and an iteration that took out more of a divergence than there is would let them
-/// swing up: under BDF2 from 16/13 of it on. So the part that is left, Π(1 − ω_k μ), must lie between 0 and 1 for every eigenvalue
-/// μ up to the largest. Its roots are double, in the middle of the upper three quarters of the spectrum, so that an iteration by
-/// itself makes nothing larger up to 5.6 either: where hair is crowded, eigenvalues may be larger than those of air. Odd counts have one
-/// more, simple root at the largest eigenvalue, and the others below 0.8 of it.
+/// The pressures of the step before are kept, and an iteration that took out more of a divergence than there is would
+/// let them swing up: under BDF2 from 16/13 of it on. So the part that is left, Π(1 − ω_k μ), must lie between 0 and 1
+/// for every eigenvalue μ up to the largest. Its roots are double, in the middle of the upper three quarters of the
+/// spectrum, so that an iteration by itself makes nothing larger up to 5.6 either: where hair is crowded, eigenvalues
+/// may be larger than those of air. Odd counts have one more, simple root at the largest eigenvalue, and the others
+/// below 0.8 of it.
 fn relaxations(count: u32) -> Vec<f64> {
     let odd = count % 2 == 1;
     let (low, high) = (LARGEST_EIGENVALUE / 4.0, if odd { 0.8 } else { 1.0 } * LARGEST_EIGENVALUE);

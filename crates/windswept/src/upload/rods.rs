@@ -9,8 +9,8 @@ use windswept_shaders::common::rod::{
 
 use crate::upload::motion::Motions;
 
-/// Rounds of the loops of one invocation of `rods/solve` or `rods/gauss_seidel`, at most: Mesa's software adapter ends the loops of an
-/// invocation after 65 535 rounds in all, without a word.
+/// Rounds of the loops of one invocation of `rods/solve` or `rods/gauss_seidel`, at most: Mesa's software adapter ends
+/// the loops of an invocation after 65 535 rounds in all, without a word.
 const ROUNDS: u32 = 30_000;
 
 pub(crate) fn vec3(v: DVec3) -> [f32; 3] {
@@ -25,7 +25,8 @@ pub(crate) fn quat(q: DQuat) -> [f32; 4] {
     q.as_quat().to_array()
 }
 
-/// The motion of a strand's roots, and the centre that it turns about, in local coordinates; none of a strand of no group.
+/// The motion of a strand's roots, and the centre that it turns about, in local coordinates; none of a strand of no
+/// group.
 fn motion<'a>(scene: &'a Scene, initial: &InitialState, s: usize) -> Option<(usize, &'a Hair, DVec3)> {
     let group = *initial.hair.group.get(s)? as usize;
     let hair = scene.hair.get(group).filter(|hair| !hair.motion.keyframes.is_empty())?;
@@ -130,8 +131,8 @@ pub(crate) fn root_targets(scene: &Scene, initial: &InitialState) -> Vec<Root> {
     hair.roots().enumerate().map(target).collect()
 }
 
-/// Local place \[m\] of what is at `x` in the world when the run starts, with the motion of its strand's roots at the start taken out, and the
-/// rotation that takes it out.
+/// Local place \[m\] of what is at `x` in the world when the run starts, with the motion of its strand's roots at the
+/// start taken out, and the rotation that takes it out.
 fn unmoved(scene: &Scene, initial: &InitialState, s: usize, x: DVec3) -> (DVec3, DQuat) {
     let x = x - initial.origin;
     let Some((_, group, center)) = motion(scene, initial, s) else { return (x, DQuat::IDENTITY) };
@@ -200,11 +201,12 @@ pub(crate) fn newton_steps(scene: &Scene) -> u32 {
     if scene.bodies.is_empty() { scene.rods.newton } else { scene.rods.newton + scene.rods.newton / 2 }
 }
 
-/// Newton steps of one dispatch of `rods/solve`: as many as divide `newton` and keep the longest strand below [`ROUNDS`], at least 1.
+/// Newton steps of one dispatch of `rods/solve`: as many as divide `newton` and keep the longest strand below
+/// [`ROUNDS`], at least 1.
 #[must_use]
 pub(crate) fn newton_steps_per_dispatch(newton: u32, bodies: usize, hair: &Strands) -> u32 {
-    // A Newton step is one round of its own, and from root to tip and back one per point and one more. Contacts take a third walk, and in
-    // each walk a round per point and body, and per segment and body.
+    // A Newton step is one round of its own, and from root to tip and back one per point and one more. Contacts take a
+    // third walk, and in each walk a round per point and body, and per segment and body.
     let walk = longest(hair) * (1 + 2 * bodies as u32);
     per_dispatch(newton, if bodies > 0 { 3 * walk } else { 2 * longest(hair) } + 3)
 }
@@ -250,7 +252,8 @@ mod tests {
         assert_eq!(sweeps_per_dispatch(2000, &strand(35)), 500);
         assert_eq!(sweeps_per_dispatch(0, &strand(35)), 1);
         assert_eq!(sweeps_per_dispatch(10, &Strands::default()), 10);
-        // A Newton step of 35 points is 73 rounds. One of 1024 is 2051: 14 fit, and 10 are the most of these that divide 20.
+        // A Newton step of 35 points is 73 rounds. One of 1024 is 2051: 14 fit, and 10 are the most of these that
+        // divide 20.
         assert_eq!(newton_steps_per_dispatch(8, 0, &strand(35)), 8);
         assert_eq!(newton_steps_per_dispatch(20, 0, &strand(1024)), 10);
         assert_eq!(newton_steps_per_dispatch(8, 0, &strand(16_384)), 1);

@@ -27,13 +27,14 @@ fn kept(k: f64) -> f64 {
     B * spline + (1.0 - B) * cardinal + C * keys
 }
 
-/// Taps of the Gaussian of width s and of its second derivative along a periodic axis of `nodes` nodes. The blur of deposit and
-/// gather is taken out: ĝ = e^(−k²s²/2)/Ŵ², ĝ'' = −k² ĝ, Ŵ being what the window leaves of a wave.
+/// Taps of the Gaussian of width s and of its second derivative along a periodic axis of `nodes` nodes. The blur of
+/// deposit and gather is taken out: ĝ = e^(−k²s²/2)/Ŵ², ĝ'' = −k² ĝ, Ŵ being what the window leaves of a wave.
 ///
-/// Of all taps that reach as far they are those that come nearest to ĝ and ĝ'' in the sum of squares over the waves of the axis, each
-/// weighted by Ŵ. A uniform flow keeps its size, and has no curvature.
+/// Of all taps that reach as far they are those that come nearest to ĝ and ĝ'' in the sum of squares over the waves of
+/// the axis, each weighted by Ŵ. A uniform flow keeps its size, and has no curvature.
 ///
-/// Returns the offset of the first tap with them. The zeros at the end are for the row of nodes that a pass makes at once.
+/// Returns the offset of the first tap with them. The zeros at the end are for the row of nodes that a pass makes at
+/// once.
 pub(crate) fn taps(nodes: usize, spacing: f64, scale: f64) -> (i32, Vec<Taps>) {
     let high = Turbulence::reach(spacing / scale).min(nodes / 2);
     let (low, high) = (high.min((nodes - 1) / 2) as i32, high as i32);
@@ -104,7 +105,8 @@ impl Fit {
 mod tests {
     use super::*;
 
-    /// What the polynomial of the window that shaders evaluate leaves of a wave: the integral of the window times the wave.
+    /// What the polynomial of the window that shaders evaluate leaves of a wave: the integral of the window times the
+    /// wave.
     #[test]
     fn the_window_leaves_of_a_wave_what_it_should() {
         // Factors of 1 - x, (1 - x)², (1 - x)³ beyond the last node but one and before it, as in `window_of`.
