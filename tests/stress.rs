@@ -40,7 +40,7 @@ stresses! {
     stiff_and_limp_strands_hang_as_chains_do: "stiffness",
     masses_may_be_far_apart: "masses",
     faulty_strands_are_refused_or_heal: "faulty strands",
-    a_spoilt_value_resets_its_strand: "invalid values",
+    an_invalid_value_resets_its_strand: "invalid values",
     crowded_air_spreads: "crowded air",
     winds_may_change_at_once: "winds",
     roots_may_be_flung: "driven roots",

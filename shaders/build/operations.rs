@@ -32,7 +32,7 @@ pub(crate) struct Operations {
     pub(crate) more: bool,
 }
 
-/// What a part of a pass does.
+/// Operations of a part of a pass.
 #[derive(Clone, Copy, Default)]
 struct Count {
     straight: u64,
@@ -116,7 +116,7 @@ impl Counter<'_> {
     fn turns(&self, body: &Block, continuing: &Block) -> Count {
         let once = self.block(body).plus(self.block(continuing));
         if self.function.name.as_deref() == Some(BATCHES) {
-            // What is done once a group is a handful, and counts as if it were done once a batch.
+            // Operations once a group are few, and count as if they were done once a batch.
             return Count { straight: 0, batch: once.all(), ..once };
         }
         let Some(turns) = self.fixed_turns(body) else { return Count { more: true, ..once } };
@@ -156,7 +156,7 @@ impl Counter<'_> {
         begins && self.stored(&self.function.body, variable).into_iter().all(|value| zero(value) || one_more(value))
     }
 
-    /// What is stored in a variable.
+    /// Values stored in a variable.
     fn stored(&self, block: &Block, variable: Handle<LocalVariable>) -> Vec<Handle<Expression>> {
         let inside =
             |blocks: &[&Block]| blocks.iter().flat_map(|block| self.stored(block, variable)).collect::<Vec<_>>();

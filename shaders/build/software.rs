@@ -24,7 +24,7 @@ use crate::Result;
 /// Bytes of a row of texels in every texture.
 pub(crate) const ROW: u32 = 32768;
 
-/// What stands in the text for software adapters in place of a storage buffer.
+/// Replacement of a storage buffer in the software variant.
 #[derive(Debug, Clone, Copy)]
 pub(crate) enum Place {
     /// A uniform.
@@ -176,7 +176,7 @@ fn with_copies_of_uniforms(text: &str, words: &BTreeMap<String, BTreeSet<u32>>) 
     Ok(made)
 }
 
-/// What the copy of a uniform's word is called.
+/// Name of the copy of a uniform's word.
 fn copy_of_word(name: &str, word: u32) -> String {
     format!("{name}_word_{word}")
 }
@@ -273,7 +273,7 @@ fn ends_in_word(text: &str) -> bool {
     text.ends_with(|c: char| c.is_alphanumeric() || c == '_' || c == '.')
 }
 
-/// What is inside a bracket that a text begins in, and what follows the bracket.
+/// Text up to the end of the bracket that it begins in, and the text behind the bracket.
 fn closed(text: &str) -> Result<(&str, &str)> {
     let mut depth = 1;
     let end = text.find(|c| {

@@ -1,4 +1,4 @@
-// What contacts keep for the next step: the forces by which they push and hold.
+// History of contacts for the next step: the forces by which they push and hold.
 import package::common::{
     dispatch::{invocation, WORKGROUP}, contact::{Contact, ContactHistory}, status::frozen,
 };

@@ -1,4 +1,4 @@
-// What hair points keep for the next step: their move, this step's first velocity with all that acted from outside
+// History of hair points for the next step: their move, this step's first velocity with all that acted from outside
 // since, and what rounding leaves off the position. What was put somewhere starts anew, but for a sleeper's velocity of
 // the step before: what presses a sleeper all the time must not kick it when it wakes, and BDF2 takes a third of the
 // change of it.

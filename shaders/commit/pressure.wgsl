@@ -1,4 +1,4 @@
-// What pressure did in this step is what the next one starts from; hair that was put somewhere starts anew. Air is
+// The effect of the pressure in this step is the next one's start; hair that was put somewhere starts anew. Air is
 // committed in the order of cells.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, cells::is_air, status::frozen, pressure::{Pressed, flows},

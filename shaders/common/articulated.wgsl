@@ -32,7 +32,7 @@ struct Spring {
     force: vec3f,
 }
 
-// What a spring gives by, times -1: by itself, and by a unit of either kind.
+// Yield of a spring, times -1: by itself, and by a unit of either kind.
 struct Answer {
     constant: vec3f,
     by_own: mat3x3f,
@@ -67,7 +67,7 @@ fn crossing(v: vec3f, m: mat3x3f) -> mat3x3f {
     return mat3x3f(cross(v, m[0]), cross(v, m[1]), cross(v, m[2]));
 }
 
-// What lies beyond, for a spring of the other kind.
+// The part beyond, for a spring of the other kind.
 fn swapped(b: Beyond) -> Beyond {
     return Beyond(b.other, b.own, transpose(b.cross), b.other_force, b.force, b.other_held, b.held, b.give, b.given);
 }

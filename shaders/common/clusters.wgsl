@@ -167,7 +167,7 @@ fn shown_to(other: u32) -> Near {
     return near;
 }
 
-// What this invocation reads of a batch: who its entry says.
+// The neighbour of a batch that this invocation reads: the one of its entry.
 fn seen(entry: u32, there: bool) -> Near {
     let none = !there || entry == NOBODY;
     var near = load_neighbour(select(entry & INDEX, member, none));

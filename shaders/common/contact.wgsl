@@ -30,7 +30,7 @@ struct Contact {
     state: u32,         // bits: LIVE, SLIDES, PLANE
 }
 
-// What a contact keeps from step to step.
+// History of a contact.
 struct ContactHistory {
     friction: vec3f,    // N
     force: f32,         // N; 0 where it did not touch

@@ -32,7 +32,7 @@ fn end_cell(block: vec3i, cells: vec3i, window: Window) -> vec3i {
     return vec3i(ceil((vec3f(block + BLOCK - 1) + window.half) * (vec3f(cells) / vec3f(mesh.nodes))));
 }
 
-// What one of the lanes that share a block takes of it: of the runs of cells every `runs_apart`th from its own on, and
+// Part of a block for one of the lanes that share it: of the runs of cells every `runs_apart`th from its own on, and
 // of their particles every `particles_apart`th.
 struct Part {
     run: u32,

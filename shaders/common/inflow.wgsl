@@ -1,4 +1,4 @@
-// What the wind brings in: behind the faces that it enters through, the fringe draws the air towards it.
+// Inflow: behind the faces that it enters through, the fringe draws the air towards it.
 import package::common::{params::params, pi::PI, wind::{mean_wind, wind_path, depth_of}};
 
 const SLOWEST: f32 = 0.3;   // m/s: the fringe keeps some grip while the wind rises

@@ -43,7 +43,7 @@ fn publish(local: u32, near: Near) {
     workgroupBarrier();
 }
 
-// What another of the eight has shown: of the lane whose number differs in the bits of `other`.
+// Value that another of the eight has published: of the lane whose number differs in the bits of `other`.
 @if(subgroups)
 fn from_lane(other: u32) -> Near {
     return Near(
@@ -59,7 +59,7 @@ fn from_lane(other: u32) -> Near {
     return all_shown[shown_at ^ other];
 }
 
-// What each of the eight keeps for the others, by number.
+// Values that each of the eight keeps for the others, by number.
 const KEPT: u32 = 12u;
 
 var<private> first_of_eight: u32;   // its number in the subgroup, or in the workgroup; a pass sets it before it asks for what is kept
@@ -78,7 +78,7 @@ fn keep(local: u32, number: u32, value: vec2u) {
     all_keeps[local][number] = value;
 }
 
-// What one of the eight keeps. Every invocation of the workgroup asks, from the same place.
+// A value that one of the eight keeps. Every invocation of the workgroup asks, from the same place.
 @if(subgroups)
 fn kept(number: u32, lane: u32) -> vec2u {
     return subgroupShuffle(keeps[number], first_of_eight + lane);
@@ -88,7 +88,7 @@ fn kept(number: u32, lane: u32) -> vec2u {
     return all_keeps[first_of_eight + lane][number];
 }
 
-// What any of the eight has written to the workgroup's memory is there for the other seven afterwards. Every invocation
+// Makes writes of each of the eight to the workgroup's memory visible to the other seven. Every invocation
 // of the workgroup calls it, from the same place.
 @if(software)
 fn lane_barrier() {}

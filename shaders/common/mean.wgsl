@@ -6,7 +6,7 @@ fn air_particles() -> f32 {
     return f32(max(params.particles - params.hair_points, 1u));
 }
 
-// What confinement changes the air's velocity by on average [m/s], of its sum: it is taken out where momentum is
+// Mean change of the air's velocity by confinement [m/s], of its sum: it is taken out where momentum is
 // conserved.
 fn taken_out(sum: vec3f) -> vec3f {
     return select(vec3f(0.0), sum / air_particles(), params.conserve_momentum != 0u);

@@ -1,4 +1,4 @@
-// What stays the same from step to step. Lengths are in local coordinates: world minus the scene's origin.
+// Parameters, which stay the same from step to step. Lengths are in local coordinates: world minus the scene's origin.
 
 struct Params {
     box_size: vec3f,              // m, periodic box of air, [0, box_size)

@@ -1,7 +1,7 @@
-// What the solver of velocities without divergence keeps of a particle.
+// State of a particle in the solver of velocities without divergence.
 import package::common::{params::{params, TWO_WAY}, cells::is_air, matter::inverse_mass_of};
 
-// What pressure did in the last step, from which the next one starts.
+// Effect of the pressure in the last step, from which the next one starts.
 struct Pressed {
     change: vec3f,   // m/s, what pressure changed the velocity by
     pressure: f32,   // m^2/s, lambda: pressure over density, times the step
@@ -37,7 +37,7 @@ fn flows(i: u32) -> bool {
     return is_air(i) || params.model != TWO_WAY;
 }
 
-// What a push moves a particle by, of what it moves air by: 1 for air, 0 where a point is held.
+// Mobility of a particle under pressure, relative to air: 1 for air, 0 where a point is held.
 fn share_of(i: u32) -> f32 {
     return inverse_mass_of(i) / params.air_inverse_mass;
 }

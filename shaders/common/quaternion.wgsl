@@ -9,7 +9,7 @@ fn conjugate(q: vec4f) -> vec4f {
     return vec4f(-q.xyz, q.w);
 }
 
-// What a rotation adds to a vector.
+// The change of a vector by a rotation.
 fn turned_by(q: vec4f, v: vec3f) -> vec3f {
     return 2.0 * cross(q.xyz, cross(q.xyz, v) + q.w * v);
 }

@@ -153,7 +153,7 @@ struct RodSegment {
     bend: vec3f,       // multiplier of the joint before it there
 }
 
-// What a point keeps from step to step beside its position and velocity.
+// History of a point, beside its position and velocity.
 struct PointHistory {
     displacement: vec3f,      // m, the last step's move
     velocity: vec3f,    // m/s, of the step before, with all that acted from outside since
@@ -166,7 +166,7 @@ struct PointHistory {
     pin_force: vec3f,   // N, that holds it at a pin
 }
 
-// What a segment keeps from step to step beside its frame.
+// History of a segment, beside its frame.
 struct SegmentHistory {
     turn: vec3f,               // rad, the last step's
     angular_velocity: vec3f,   // rad/s, world axes
@@ -180,7 +180,7 @@ struct Root {
     frame: vec4f,
 }
 
-// What a strand keeps from step to step.
+// History of a strand.
 struct StrandHistory {
     root: Root,             // at its clamp
     pin_force: vec3f,       // N, that holds it at its last pin

@@ -1,4 +1,4 @@
-// What friction of hair on hair asks of a point (`fluid/friction`), and how hard a pair is squeezed.
+// Data of a point for friction of hair on hair (`fluid/friction`), and the normal impulse of a pair.
 import package::common::{params::params, sph_kernels::spiky_slope};
 
 struct FrictionPoint {

@@ -1,11 +1,11 @@
-// Who works for a strand, a row of cells, or a block of nodes.
+// Invocations that work for a strand, a row of cells, or a block of nodes.
 //
 // One invocation that walks along a strand waits for memory at each point, and a GPU has thousands more than there are
 // strands: eight side by side share the work, each with a stretch of the points. A software adapter gains nothing by
 // that, and without subgroup operations invocations cannot ask one another: in the texts for these each has a strand
 // alone.
 //
-// What one of those that share writes for all, it writes after it has asked the others for something: by then they have
+// One of the invocations that share writes for all after it has asked the others for something: by then they have
 // read what they need.
 import package::common::lanes::LANES;
 

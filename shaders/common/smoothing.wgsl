@@ -1,4 +1,4 @@
-// What the three passes share that smooth the filter's grid along x, y and z.
+// Common part of the three passes that smooth the filter's grid along x, y and z.
 //
 // An invocation makes four nodes in a row along its axis, so that what it reads of a node serves all four. It goes
 // along the nodes that reach them; the window of taps, one for each of the four, moves on with every node.
@@ -17,7 +17,7 @@ fn moved(window: vec4f, tap: f32) -> vec4f {
     return vec4f(tap, window.xyz);
 }
 
-// What a node brings to each of the four.
+// Contribution of a node to each of the four.
 fn spread(value: vec4f, taps: vec4f) -> mat4x4f {
     return mat4x4f(value * taps.x, value * taps.y, value * taps.z, value * taps.w);
 }

@@ -1,4 +1,4 @@
-// What contacts do in the Newton steps of `rods/solve`: their stiffness, their linear model, how they are once a Newton
+// Contacts in the Newton steps of `rods/solve`: their stiffness, their linear model, how they are once a Newton
 // step has moved their places, and what they leave to the next step. `common/contact` says what a contact is.
 import package::common::{
     params::params, symmetric::{applied_to_columns, dyad, plus, twice_symmetric}, articulated::{Beyond, ONE, crossing},

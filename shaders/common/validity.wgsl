@@ -1,4 +1,4 @@
-// What a strand can be as a step begins, and how fast anything can be.
+// Valid values of a strand as a step begins, and the largest speed.
 import package::common::{rod::{Strand, Root, ROOT_HELD}, status::{finite, finite3}};
 
 const FAR: f32 = 1e3;     // lengths of the strand: no point of it is farther from its root

@@ -1,4 +1,4 @@
-// What the air near each body has given it in this step, and how far its density is off beside the body: sums over
+// Impulse of the air on each body in this step, and how far its density is off beside the body: sums over
 // particles.
 import package::common::{params::params, dispatch::WORKGROUP, cells::is_air, status::frozen, wall::Wall, by_body::sum_by_body};
 

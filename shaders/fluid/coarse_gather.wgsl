@@ -1,4 +1,4 @@
-// What the coarse pressure changes the velocity of each air particle by, in the order of cells (`common/coarse.wgsl`).
+// Change of velocity of each air particle by the coarse pressure, in the order of cells (`common/coarse.wgsl`).
 import package::common::{params::params, dispatch::{invocation, WORKGROUP}, coarse::pushed_at, status::frozen};
 
 @group(0) @binding(4) var<storage, read>       sorted:          array<u32>;

@@ -1,4 +1,4 @@
-// What the coarse pressure would change the velocity of bodies by, if they were air: sums over the sites of a lattice
+// Change of velocity of bodies by the coarse pressure, if they were air: sums over the sites of a lattice
 // that lie in each body, three along each axis of a cell. The grid is solved for a box full of air, of which bodies
 // take a part: its momentum and energy count.
 import package::common::{

@@ -1,4 +1,4 @@
-// What the coarse grid is to take out: the divergence of each air particle, in the order of cells, and where the
+// Source of the coarse grid: the divergence of each air particle, in the order of cells, and where the
 // particle is. Where air is too dense there are more particles to say so, which is taken out; where air is missing only
 // compression counts.
 //

@@ -32,7 +32,7 @@ var<private> slid: vec3f;     // kg m/s
 var<private> held: f32;       // sum of k [kg]
 var<private> most: f32;       // were all to stick [kg]
 
-// What of v is normal to `gap`.
+// The part of v that is normal to `gap`.
 fn across(v: vec3f, gap: vec3f) -> vec3f {
     return v - dot(v, gap) / dot(gap, gap) * gap;
 }

@@ -58,7 +58,7 @@ fn corrected(m: Symmetric) -> Symmetric {
     let adjugate = adjugate_of(m);
     let size = determinant(m, adjugate);
     let inverse = scaled(1.0 / size, adjugate);
-    // What is not a number stays none.
+    // A value that is not a number stays one.
     let is_none = (size < LEAST) | (inverse.diagonal.x + inverse.diagonal.y + inverse.diagonal.z > LARGEST);
     return Symmetric(
         select(inverse.diagonal, vec3f(1.0), is_none), select(inverse.off_diagonal, vec3f(0.0), is_none),

@@ -37,7 +37,7 @@ fn invalid(strand: Strand, root: vec3f) -> u32 {
     return NO_POINT;
 }
 
-// What rounding leaves off the place is kept: from the root to a point is shorter than from the origin to the root.
+// The rounding error of the place is kept: from the root to a point is shorter than from the origin to the root.
 fn put(p: u32, root: vec3f, offset: vec3f) {
     let place = root + offset;
     position[p] = vec4f(place, position[p].w);
@@ -53,8 +53,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if s == 0u { status.inspected = 1u; }
     let strand = strands[s];
     let root = root_of(strand, strand_history[s].root, position[strand.first_point].xyz);
-    // What the step before lost has been counted. A step that froze is taken again: a invalid strand is counted anew,
-    // in its rest shape by now.
+    // A strand that the step before lost has been counted. A step that froze is taken again: an invalid strand is
+    // counted anew, in its rest shape by now.
     if strand_history[s].condition.failed != FAILED {
         let point = invalid(strand, root);
         if point == NO_POINT && strand_history[s].condition.failed == 0u { return; }

@@ -29,7 +29,7 @@ const OTHER: u32 = 1u;
 const LAST: u32 = 6u;                      // number from which on the last row is kept: 2 kinds of 3 stretches are kept of each row
 const HELD: u32 = 168u;                    // entries of a cluster that are kept while searching; with more it is searched again
 
-// What is kept of an entry: whose neighbour it is, bit by bit; its place in its stretch; which stretch that is. 0 is
+// Content of an entry: whose neighbour it is, bit by bit; its place in its stretch; which stretch that is. 0 is
 // nobody.
 const PLACE_BITS: u32 = 8u;
 const STRETCH_BITS: u32 = 27u;
@@ -75,7 +75,7 @@ fn look_ahead(home: vec3i, row: u32, first: u32, air: bool) {
     let half = sqrt(max(left, 0.0));
     let start = i32(floor((low.x - half) / params.cell_size.x));
     let end = select(start, i32(floor((high.x + half) / params.cell_size.x)) + 1, left > 0.0);
-    // Who is met directly is met once.
+    // A neighbour that is met directly is met once.
     let along = vec3i(start, end, min(end, start + cells.x));
     let at = select(select(line, line - cells.yz, line >= cells.yz), line + cells.yz, line < vec2i(0));
     let bucket = box_bucket(vec3i(0, at));

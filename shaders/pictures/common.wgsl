@@ -1,4 +1,4 @@
-// What every shader of the picture shares.
+// Common part of the shaders of the picture.
 
 struct Light {
     grid_from_world: mat4x4f,  // matrix from world [m] to cells of the light's grid; the light travels along +z

@@ -11,7 +11,7 @@
 //                                                             point would have one velocity after the step
 //
 // BDF2 takes them at extrapolated places x + dt (3/2 v_n - 1/2 v_(n-1)), and with 2 v_n - v_(n-1); Euler at x and v_n.
-// What BDF2 extrapolates of the drag grows into a flutter from dt w D_n = 0.39 on: such a strand takes Euler.
+// The drag that BDF2 extrapolates grows into a flutter from dt w D_n = 0.39 on: such a strand takes Euler.
 //
 // The drag's direction is that of the segment as the step begins. Where the air passes by more than some lengths of the
 // strand in a step, that would throw segments to and fro: there k_t goes to k_n.
@@ -38,7 +38,7 @@ const OWN_WAKE: f32 = 1.1;    // most that a fibre is taken to have slowed the a
 const STORMY: f32 = 1.0 / 3.0;   // dt w D_n
 const LENGTHS: f32 = 8.0;     // of the strand, that the air passes by in a step: beyond, its drag has no direction
 
-// What a segment feels, and each of its points half of: D = across (1 - t t^T) + along t t^T.
+// Drag of a segment, half of it on each of its points: D = across (1 - t t^T) + along t t^T.
 struct Load {
     tangent: vec3f,    // t
     across: f32,       // kg/s

@@ -1,4 +1,4 @@
-// What was set to push hair is no drag: its impulse is taken out of what the air gave, so that the air does not lose
+// A force that was set on hair is no drag: its impulse is taken out of what the air gave, so that the air does not lose
 // it.
 //
 //   J -= dt m a

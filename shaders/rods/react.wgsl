@@ -1,4 +1,4 @@
-// What hair gives back to each air particle, with the weights that it was sampled with: v_j -= sum_i w_ij J_i/m_j over
+// Reaction of hair on each air particle, with the weights that it was sampled with: v_j -= sum_i w_ij J_i/m_j over
 // hair, w_ij = V_j W(y_i - x_j)/max(theta_i, 1/2).
 import package::common::{
     params::params, dispatch::WORKGROUP, lanes::Near, pairs::Pair,

@@ -43,7 +43,7 @@ const UNCUT: f32 = 1e6;       // rad
 const SETTLED: f32 = 1e-3;    // rad, of a frame, and strain, in a Newton step that is the last,
 const RELATIVE: f32 = 1e-2;   // or this part of the first Newton step's
 
-// What elimination leaves.
+// Result of the elimination.
 struct Eliminated {
     root_move: vec3f,   // of the root's point, 0 where it is held
     pin_force: vec3f,   // change of the force at the pin

@@ -97,7 +97,7 @@ pub struct Binding {
     pub writes: bool,
     /// Size of an element, or of the struct \[bytes\].
     pub stride: u32,
-    /// What `source_for_software` binds in its place.
+    /// Resource that `source_for_software` binds in its place.
     pub in_software: Bound,
 }
 
@@ -112,7 +112,7 @@ pub enum BufferKind {
     ReadWrite,
 }
 
-/// What a text of a pass binds.
+/// Resource that a variant of a pass binds.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Bound {
     /// A buffer.

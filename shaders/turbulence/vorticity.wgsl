@@ -22,7 +22,7 @@ fn entry(id: vec3u, groups: vec3u) -> u32 {
     return select(of_air(id, groups), of_all(id, groups), params.published_law != 0u);
 }
 
-// Who does not count has nothing in the field that means anything.
+// The field has no meaning at particles that do not count.
 fn load_neighbour(j: u32) -> Near {
     let other = predicted[j];
     let there = counts(j);

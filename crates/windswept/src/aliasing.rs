@@ -59,7 +59,7 @@ impl Aliasing {
         let mut aliasing = Self::none(arrays);
         let mut order: Vec<(&AnyArray, Times)> =
             arrays.iter().map(|array| (array, needed(array, recordings))).collect();
-        // What no pass binds is never needed: it fits anywhere, and comes last.
+        // An array that no pass binds is never needed: it fits anywhere, and comes last.
         order.sort_by_key(|(array, times)| Reverse((!times.is_empty(), array.bytes())));
         let mut blocks = Blocks::default();
         for (array, times) in order {

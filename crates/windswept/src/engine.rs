@@ -182,7 +182,7 @@ impl Engine {
         self.params[0].step
     }
 
-    /// What the shaders get told of the scene.
+    /// Values of the scene that the shaders read.
     #[must_use]
     pub fn params(&self) -> &Params {
         &self.params[0]
@@ -294,7 +294,7 @@ impl Engine {
         })
     }
 
-    /// Who is in each slot of air now.
+    /// Stable id of the particle in each slot of air now.
     ///
     /// # Errors
     /// [`GpuError`] when the device is lost.

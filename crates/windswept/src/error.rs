@@ -213,7 +213,7 @@ pub enum CheckpointError {
     File {
         /// The file.
         file: String,
-        /// What was to be done with it, a participle.
+        /// Participle of the operation that failed.
         be: &'static str,
         /// The system's words.
         reason: std::io::Error,
@@ -223,14 +223,14 @@ pub enum CheckpointError {
     Content {
         /// The file.
         file: String,
-        /// What is wrong, and where.
+        /// The fault, and its place.
         problem: String,
     },
     /// The text of the scene does not give the scene: it was made in code and cannot be written, or a file that it
     /// names is gone.
     #[error("the scene cannot be saved, as its text does not give it back: {0}")]
     Text(String),
-    /// What was saved does not make a simulation, or does not fit the adapter.
+    /// The saved state does not make a simulation, or does not fit the adapter.
     #[error("{file}: {error}")]
     Start {
         /// The file.

@@ -184,7 +184,7 @@ impl Gpu {
         self.variant == ShaderVariant::Software
     }
 
-    /// What the variant of a pass that runs binds for a binding.
+    /// Resource that the variant of a pass takes for a binding.
     pub(crate) fn bound(&self, pass: &Pass, binding: &Binding) -> Bound {
         let stands_in = self.sources.contains_key(pass.name);
         if self.is_software() && !stands_in { binding.in_software } else { Bound::Buffer(binding.kind) }
@@ -360,7 +360,7 @@ impl Gpu {
         })
     }
 
-    /// What a binding adds to the layout of its pass.
+    /// Entry of a binding in the layout of its pass.
     fn layout(&self, pass: &Pass, binding: &Binding) -> wgpu::BindGroupLayoutEntry {
         let ty = match self.bound(pass, binding) {
             Bound::Buffer(kind) => buffer_type(kind),

@@ -24,7 +24,7 @@ use crate::{
 
 pub use self::table::{BufferRow, MemoryBytes, PlanRow, Uses, buffers, memory_bytes, table};
 
-/// What runs, and over how many elements.
+/// Passes that run, and numbers of their elements.
 #[derive(Debug, Clone)]
 pub struct Plan {
     /// Counts of everything.

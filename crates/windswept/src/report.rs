@@ -81,7 +81,7 @@ pub struct Report {
     pub band_energy: Vec<BandEnergy>,
     /// Size of the engine's buffers and, on a software adapter, of their textures \[bytes\].
     pub memory_bytes: u64,
-    /// What was put back to rest in the run, and when; the first thousand times. Left out where nothing was.
+    /// Strands and air that were reset in the run, with the times; the first thousand. Left out where there were none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub resets: Vec<Reset>,
     /// Warnings: how often each cause acted.
@@ -99,7 +99,7 @@ pub struct RunFailure {
     pub why: String,
 }
 
-/// What was put back to rest because it was not finite, or faster than anything can be, and when.
+/// Strands or air that were reset because a value was not finite or too large, and the time.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Reset {
     /// Step of Δt, from 0, in which it was found: the last one, if strands were reset in several steps between two

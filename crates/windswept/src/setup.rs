@@ -1,4 +1,4 @@
-//! What the engine makes of a scene and its initial state, once: uniforms, tables, and how many of everything.
+//! Values derived once from a scene and its initial state: uniforms, tables, and numbers of everything.
 
 use windswept_scene::{Counts, Filter, FluidSolver, Groom, InitialState, Scene};
 use windswept_shaders::{
@@ -18,7 +18,7 @@ use crate::{
 pub struct Setup<'a> {
     /// The scene.
     pub scene: &'a Scene,
-    /// What it starts from.
+    /// The initial state.
     pub initial: &'a InitialState,
     /// The uniform of the scene itself; the neighbour list has no room yet.
     pub(crate) params: Params,

@@ -68,7 +68,7 @@ pub struct Simulation {
     step_ms: Vec<f64>,
     profile: Profile,
     timed_steps: u64,
-    /// What was put back to rest so far.
+    /// Resets so far.
     resets: Vec<Reset>,
     /// The step that was recovered last, and how often.
     recovered: (u64, u32),
@@ -468,7 +468,7 @@ impl Simulation {
         }
     }
 
-    /// What stays the same of the strands through a run.
+    /// Properties of the strands that stay the same through a run.
     fn lasting_hair(&self) -> HairFrame {
         let hair = &self.initial.hair;
         HairFrame {

@@ -1,6 +1,6 @@
 //! Where air is in memory: what leaves the engine goes by stable ids, what is in it by slots.
 
-/// Who is in each slot of air: the particle's stable id.
+/// Stable id of the particle in each slot of air.
 ///
 /// Air lies in memory in the order of cells, so that neighbours in the box are near one another there too, and a step
 /// may give each particle another slot.

@@ -236,17 +236,17 @@ state! {
     air_id: u32, |s| s.air();
     /// Orientation of a segment: quaternion (x, y, z, w), material frame to world.
     orientation: Vec4, |s| s.segments;
-    /// What a hair point remembers: the last move \[m\], the velocity before \[m/s\], what rounding left off the
+    /// History of a hair point: the last move \[m\], the velocity before \[m/s\], what rounding left off the
     /// position \[m\], what acted on it from outside and from its own rod in the last step awake, its grip \[m/s\], its
     /// drift since it became still \[m\].
     point_history: PointHistory, |s| s.hair_points;
-    /// What a segment remembers: the last turn \[rad\], its angular velocity in the world and that before \[rad/s\],
+    /// History of a segment: the last turn \[rad\], its angular velocity in the world and that before \[rad/s\],
     /// its drift since it became still \[rad\].
     segment_history: SegmentHistory, |s| s.segments;
-    /// What pressure did to a particle in the step before: its change of the velocity \[m/s\], and the pressure itself
-    /// \[m²/s\].
+    /// Effect of the pressure on a particle in the step before: its change of the velocity \[m/s\], and the pressure
+    /// itself \[m²/s\].
     pressed_before: Pressed, |s| s.pressed;
-    /// What a strand remembers: where its clamp is, and its ghost frame; whether it is not finite, over-strained and
+    /// History of a strand: where its clamp is, and its ghost frame; whether it is not finite, over-strained and
     /// still, in steps on end; whether BDF2 may follow.
     strand_history: StrandHistory, |s| s.strands;
     /// Forces of each contact of hair with a body in the step before \[N\].
@@ -293,7 +293,7 @@ state! {
     /// Keyframes of the strengths of force fields, field by field: time \[s\], strength \[m/s\].
     field_keyframes: [f32; 2], |s| s.field_keys;
 
-    // What a caller may look at between steps, as the last step left it.
+    // Results of the last step for a caller.
     /// The air at a hair point: where it was sampled, how much of it there is, its velocity, how it gives way.
     sampled: Sampled, |s| s.sampled;
     /// Impulse that the air's drag gave a hair point in this step \[N s\].
@@ -308,12 +308,12 @@ state! {
     coarse_impulse: Vec4, |s| s.bodies;
 
     // Written by a pass in part: the rest is zero for good.
-    /// What XSPH is to exchange at a particle: S of the limiter, and how the flow deforms air, from which unresolved
+    /// Exchange by XSPH at a particle: S of the limiter, and how the flow deforms air, from which unresolved
     /// eddies have their viscosity.
     exchange: Exchange, |s| s.particles;
 
     // Passes over neighbours run on in a frozen step, and would follow whatever another array left here.
-    /// Who is near the particles of each cluster (`shaders/common/list.wgsl`).
+    /// Neighbours of the particles of each cluster (`shaders/common/list.wgsl`).
     neighbour_list: [u32; 4], |s| s.neighbours;
     /// Second page of the neighbour list, on a device that binds less than the list takes.
     neighbour_list_2: [u32; 4], |s| if s.pages > 1 { s.neighbours } else { 0 };
@@ -326,7 +326,7 @@ state! {
     /// Place, velocities, force from outside, free move and move of a hair point in this step. Every pass that knows a
     /// force on hair adds to `force` \[N\] and `resistance` \[kg/s\], which the rods take implicitly.
     rod_points: RodPoint, |s| s.hair_points;
-    /// What a strand's clamp does in this step, whether the strand is solved, and how it is found.
+    /// Move of a strand's clamp in this step, whether the strand is solved, and how it is found.
     rod_strands: RodStrand, |s| s.strands;
     /// Density of a particle over the rest density.
     density: f32, |s| s.particles;
@@ -344,34 +344,34 @@ state! {
     fringe_deficit: Vec4, |_| 2;
     /// Strength of a force field at the end of the step \[m/s\].
     field_strength: f32, |s| s.fields;
-    /// What wind, force fields and an acceleration that was set add to a particle of air in this step \[m/s\].
+    /// Change of velocity of a particle of air by wind, force fields and a set acceleration in this step \[m/s\].
     wind_change: Vec4, |s| s.particles;
-    /// What friction of hair on hair asks of a hair point: how it slips, its multipliers, its strand.
+    /// Data of a hair point for friction of hair on hair: how it slips, its multipliers, its strand.
     friction_points: FrictionPoint, |s| s.hair_points;
-    /// What becomes velocity of what the density constraint, and friction of hair on hair, moved a particle by in this
-    /// step \[m\]; w: sum of the multipliers times the relaxation \[kg m²\].
+    /// Part that becomes velocity of the move of a particle by the density constraint and friction of hair on hair in
+    /// this step \[m\]; w: sum of the multipliers times the relaxation \[kg m²\].
     correction: Vec4, |s| s.particles;
-    /// What one iteration of the density constraint, or friction, moves a particle by \[m\].
+    /// Move of a particle by one iteration of the density constraint, or by friction \[m\].
     shift: Vec4, |s| s.particles;
-    /// What of that shift becomes velocity \[m\]; w: the multiplier times the relaxation \[kg m²\].
+    /// Part of that shift that becomes velocity \[m\]; w: the multiplier times the relaxation \[kg m²\].
     velocity_shift: Vec4, |s| s.constrained;
-    /// What pressure has done to a particle in this step so far.
+    /// Effect of the pressure on a particle in this step so far.
     pressed: Pressed, |s| s.pressed;
-    /// What corrects the gradients of the kernel at a particle, and how its divergence gives way \[1/m²\].
+    /// Matrix that corrects the gradients of the kernel at a particle, and how its divergence gives way \[1/m²\].
     gradients: Gradients, |s| s.pressed;
     /// The wall that a body is to a particle near it: normal, distance, speed, the part of the kernel beyond it, and
     /// what the body has had of the particle.
     wall: Wall, |s| s.walls();
-    /// What a particle pushes its neighbours by \[1/(m s)\], and its divergence \[1/s\].
+    /// Push of a particle on its neighbours \[1/(m s)\], and its divergence \[1/s\].
     stress: Stress, |s| s.pressed;
-    /// What air brings to the coarse grid, in cell order: its place \[node spacings\]; w: its divergence \[1/s\].
+    /// Deposit of air on the coarse grid, in cell order: its place \[node spacings\]; w: its divergence \[1/s\].
     deposit_source: Vec4, |s| if s.coarse_nodes > 0 { s.particles } else { 0 };
-    /// What is on a node of the coarse grid: the divergence that air brought to it \[1/s\], at last the pressure
+    /// Value of a node of the coarse grid: the divergence that air deposited there \[1/s\], at last the pressure
     /// \[m²/s\].
     coarse: f32, |s| s.coarse_nodes;
     /// The coarse grid between two transforms.
     coarse_waves: f32, |s| s.coarse_nodes;
-    /// What the coarse pressure changes the velocity of a particle by \[m/s\].
+    /// Change of velocity of a particle by the coarse pressure \[m/s\].
     coarse_change: Vec4, |s| if s.coarse_nodes > 0 { s.particles } else { 0 };
     /// Sums over the air: that change q \[m/s\], q·v \[m²/s²\], v \[m/s\], q·q \[m²/s²\].
     coarse_total: Vec4, |_| 2;
@@ -400,11 +400,11 @@ state! {
     /// Position of a particle in cell order \[m\]; w: 1 for air, 0 for hair. For the direct filter, whose sort is
     /// older.
     flow_position: Vec4, |s| s.direct_filter;
-    /// What air brings to the band filter, in cell order: V (v − U) \[m⁴/s\], w: V \[m³\]; as printed v \[m/s\].
+    /// Deposit of air in the band filter, in cell order: V (v − U) \[m⁴/s\], w: V \[m³\]; as printed v \[m/s\].
     flow: Vec4, |s| s.turbulent();
     /// Air by the cells of the filter's grid, ordered by index.
     flow_sorted: u32, |s| if s.grids > 0 { s.air() } else { 0 };
-    /// What the air brought to a node of the filter's grid \[m⁴/s\]; w: volume \[m³\].
+    /// Sum deposited on a node of the filter's grid \[m⁴/s\]; w: volume \[m³\].
     deposited: Vec4, |s| s.nodes;
     /// A node's deposit after smoothing along x.
     smooth_x: Vec4, |s| s.nodes;
@@ -416,7 +416,7 @@ state! {
     curvature_xy: Vec4, |s| s.nodes;
     /// Velocity û of a band at a particle \[m/s\], as printed \[mm/s\]; hair has none.
     band_velocity: Vec4, |s| s.turbulent();
-    /// What confinement adds to a particle in this step, all bands \[m/s\].
+    /// Change of velocity of a particle by confinement in this step, all bands \[m/s\].
     confinement: Vec4, |s| s.turbulent();
     /// Up to eight sums over the particles of a workgroup each: of what air in the fringe misses of the wind \[m/s²\],
     /// of the confinement, or of what the coarse pressure does.

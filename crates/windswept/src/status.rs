@@ -1,4 +1,4 @@
-//! What the host makes of the status word and the counters that the GPU keeps (`shaders/common/status.wgsl`).
+//! Status word and counters of the GPU, read by the host (`shaders/common/status.wgsl`).
 
 use std::collections::BTreeMap;
 
@@ -116,7 +116,7 @@ pub fn confinement_limited_steps(status: &Status) -> u64 {
     status.counted[CONFINEMENT_LIMITED as usize].into()
 }
 
-/// What is counted under a key of the report's `warnings`, for people; `None` of another key.
+/// Meaning of a key of the report's `warnings`, for people; `None` of another key.
 #[must_use]
 pub fn warning_meaning(key: &str) -> Option<&'static str> {
     let rows = WARNINGS.iter().map(|(_, name, meaning)| (*name, *meaning)).chain([UNSOLVED]);

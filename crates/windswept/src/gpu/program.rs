@@ -24,7 +24,7 @@ pub(crate) struct Program {
 
 #[derive(Debug)]
 struct Dispatch {
-    /// What is copied to textures before it.
+    /// Copies to textures before the dispatch.
     copies: Vec<Copy>,
     label: &'static str,
     pass: &'static str,

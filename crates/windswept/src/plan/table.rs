@@ -24,7 +24,7 @@ pub struct PlanRow {
     pub stage: &'static str,
     /// The pass, `folder/name`.
     pub pass: &'static str,
-    /// What it does.
+    /// Its purpose, in a few words.
     pub label: &'static str,
     /// Which of `turbulence.bands` it is for.
     pub band: Option<usize>,
@@ -45,7 +45,7 @@ pub struct PlanRow {
     pub bytes: u64,
     /// Why it does not run.
     pub skipped: Option<String>,
-    /// What it reads and writes.
+    /// Buffers that it reads and writes.
     pub uses: Uses,
 }
 
@@ -73,7 +73,7 @@ pub struct BufferRow {
     /// Size of the texture that a software adapter that reads storage buffers slowly has besides for this buffer, and
     /// perhaps for smaller ones; 0 if for none \[bytes\].
     pub texture_bytes: u64,
-    /// What it holds, with its unit.
+    /// Its content, with the unit.
     pub doc: &'static str,
 }
 
@@ -112,7 +112,7 @@ pub struct MemoryBytes {
     pub grows: bool,
 }
 
-/// What GPU memory a scene takes at the start of a run, with no GPU.
+/// GPU memory that a scene takes at the start of a run, with no GPU.
 ///
 /// # Errors
 /// [`SceneError`] when the arrays of the initial state do not belong together.
@@ -178,7 +178,7 @@ fn traffic(command: &Command) -> u64 {
     bound.map(bytes).sum()
 }
 
-/// What naga found that a pass does with the arrays it is bound to.
+/// Uses of arrays by a pass, as naga finds them.
 fn uses(command: &Command) -> Uses {
     let bound = command.pass.bindings.iter().zip(&command.arrays);
     let names = |does: fn(&Binding) -> bool| {

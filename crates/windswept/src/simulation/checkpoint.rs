@@ -86,7 +86,7 @@ pub(super) fn files(scene: &Scene) -> Files {
 }
 
 fn checksum(path: &Path) -> io::Result<u32> {
-    // What is no file, a pipe or a device, may never end.
+    // A pipe or a device may never end.
     if !path.metadata()?.is_file() {
         return Err(io::ErrorKind::InvalidInput.into());
     }
@@ -102,7 +102,7 @@ fn checksum(path: &Path) -> io::Result<u32> {
     }
 }
 
-/// What the host keeps of how the simulation was driven.
+/// State of the host: targets of roots, wind and forces that a caller set.
 #[derive(Debug, Serialize, Deserialize)]
 struct Driven {
     /// Frame that clamps the root of each strand.
@@ -111,7 +111,7 @@ struct Driven {
     wind: Option<DVec3>,
     /// Whether a force that was set pushes hair and air.
     pushes: bool,
-    /// What was put back to rest so far.
+    /// Resets so far.
     resets: Vec<Reset>,
 }
 
@@ -268,7 +268,7 @@ impl Checkpoint {
         }
         simulation.last = engine.status()?;
         if simulation.last.causes != 0 {
-            // What ended the run comes again, if it comes again.
+            // An error that ended the run is found anew if it persists.
             simulation.last = status::thawed(&simulation.last);
             engine.set_status(&simulation.last)?;
         }

@@ -1,4 +1,4 @@
-//! What a caller drives from step to step: roots, the mean wind, and the state itself.
+//! Roots, mean wind and state, as a caller sets them between steps.
 
 use std::collections::HashSet;
 

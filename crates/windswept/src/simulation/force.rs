@@ -19,7 +19,7 @@ pub struct Accelerations {
     pub air: Vec<DVec3>,
 }
 
-/// What a callback returns.
+/// Result of a callback.
 pub(super) type Answer = Result<Accelerations, Box<dyn error::Error + Send + Sync>>;
 
 /// A function that is asked for the accelerations of each step.

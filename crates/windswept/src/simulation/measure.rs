@@ -1,4 +1,4 @@
-//! What is computed of the state where somebody asks: the density of all particles, and the vorticity of the air.
+//! Quantities of the state on request: the density of all particles, and the vorticity of the air.
 
 use super::Simulation;
 use crate::{

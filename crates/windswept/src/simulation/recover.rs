@@ -1,5 +1,5 @@
-//! What was not finite is put back to rest: strands by the step itself, and all that ended a run if its caller wants it
-//! to go on.
+//! Recovery from values that are not finite: strands by the step itself, and all that ended a run if its caller wants
+//! it to go on.
 
 use glam::{DVec3, Vec3};
 use windswept_shaders::common::{
@@ -67,7 +67,7 @@ impl Simulation {
         Ok(reset)
     }
 
-    /// What was put back to rest so far, and when: the first thousand times.
+    /// Resets so far, with their times: the first thousand.
     #[must_use]
     pub fn resets(&self) -> &[Reset] {
         &self.resets

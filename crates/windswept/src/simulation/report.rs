@@ -123,7 +123,7 @@ impl Simulation {
 
     /// Impulse that the air has given each body so far, by its pressure and by friction, in the order of the scene \[kg
     /// m/s\]; empty without air particles. The force on a body in a step is the change of its impulse over the step.
-    /// What hair gives bodies is not in it.
+    /// Impulses of hair on bodies are not in it.
     ///
     /// # Errors
     /// [`RunError::Gpu`] when the device is lost.

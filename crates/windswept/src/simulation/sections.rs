@@ -60,7 +60,7 @@ impl<W: Write> Writing<W> {
 pub(crate) enum Fault {
     /// The operating system refused.
     Io(io::Error),
-    /// What is wrong with the content, and where.
+    /// The fault of the content, and its place.
     Content(String),
 }
 

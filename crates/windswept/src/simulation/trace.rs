@@ -22,7 +22,7 @@ impl Simulation {
     /// run of a pass, in the GPU's own time. Timed steps are those of [`Self::timed_steps`]; between them are gaps.
     ///
     /// # Errors
-    /// What the operating system says where the file cannot be written.
+    /// Error of the operating system where the file cannot be written.
     pub fn write_trace(&self, path: &Path) -> io::Result<()> {
         write_trace(path, self.trace.as_deref().unwrap_or_default())
     }

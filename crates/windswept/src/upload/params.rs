@@ -1,4 +1,4 @@
-//! What the shaders get told once: the uniform, from the scene and its initial state.
+//! Parameters of the shaders: the uniform, from the scene and its initial state.
 
 use std::f64::consts::PI;
 

@@ -32,7 +32,7 @@ fn relaxations(count: u32) -> Vec<f64> {
 mod tests {
     use super::*;
 
-    /// What is left of a divergence is never negative, and never more than there was.
+    /// The rest of a divergence is never negative, and never more than there was.
     #[test]
     fn no_iteration_overshoots() {
         for count in 1..=4 {

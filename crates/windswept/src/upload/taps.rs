@@ -12,7 +12,7 @@ pub(crate) type Taps = [f32; 4];
 const B: f64 = 1.2;
 const C: f64 = -0.11;
 
-/// What the window leaves of a wave of wave number k, in radians per node spacing.
+/// Transform of the window: the part that it leaves of a wave of wave number k, in radians per node spacing.
 fn kept(k: f64) -> f64 {
     let sinc = |x: f64| if x == 0.0 { 1.0 } else { x.sin() / x };
     let half = 0.5 * k;
@@ -44,7 +44,7 @@ pub(crate) fn taps(nodes: usize, spacing: f64, scale: f64) -> (i32, Vec<Taps>) {
         let k = wave(m);
         let weight = kept(k);
         let gauss = (-0.5 * (k * scale / spacing).powi(2)).exp() / (weight * weight);
-        // What both taps at this distance give to the wave, the middle tap being 1 or 0 less all others.
+        // Contribution of both taps at this distance to the wave, the middle tap being 1 or 0 less all others.
         let given = |n: usize| if 2 * n == nodes { 1.0 } else { 2.0 } * (wave(m * n % nodes).cos() - 1.0);
         fit.add((1..=high as usize).map(given), [gauss - 1.0, -(k / spacing).powi(2) * gauss], weight * weight);
     }
@@ -105,7 +105,7 @@ impl Fit {
 mod tests {
     use super::*;
 
-    /// What the polynomial of the window that shaders evaluate leaves of a wave: the integral of the window times the
+    /// Transform of the polynomial of the window that shaders evaluate: the integral of the window times the
     /// wave.
     #[test]
     fn the_window_leaves_of_a_wave_what_it_should() {
