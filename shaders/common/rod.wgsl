@@ -8,9 +8,9 @@
 //
 // Words:
 //   placed       put somewhere instead of moved: it arrives without a velocity and remembers nothing
-//   still        where it became still, within a little, in this step
-//   asleep       still for so long that it is not integrated until something wakes it
-//   invalid       it has a value that is not finite, or that no strand can have, when the step begins
+//   resting      all points and frames close to where the strand came to rest, in this step
+//   sleeping     resting for so long that it is not integrated until something wakes it
+//   invalid      it has a value that is not finite, or that no strand can have, when the step begins
 //   reset        it was not finite: placed in its rest shape
 //   teleported   its root jumped farther than it is long: placed there in the shape that it had
 //   free move    where a point would go without its rod's forces
