@@ -131,7 +131,6 @@ impl Document {
             return Err(SceneError::new(words).at(real, span));
         }
         let datum = Datum::Tables(tables.len());
-        if !tables.is_empty() {}
         self.entries.insert(real.to_owned(), Entry { datum, span });
         for (index, (table, span)) in tables.into_iter().enumerate() {
             let mut element = real.to_owned();
