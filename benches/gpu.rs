@@ -1,4 +1,4 @@
-//! What a GPU makes of the step: `cargo xtask bench --gpu --bandwidth GB/S`, or `cargo bench --bench gpu -- --bandwidth
+//! Times of the step on a GPU: `cargo xtask bench --gpu --bandwidth GB/S`, or `cargo bench --bench gpu -- --bandwidth
 //! GB/S`.
 //!
 //! Checks the adapter first (`windswept validate`, all of it), then times the paper's scenes and one of two million
@@ -35,7 +35,7 @@ const SCENES: [(&str, &str, &[&str]); 3] = [
 /// The scene of a smoke test.
 const SMALL: [(&str, &str, &[&str]); 1] = [("quick", "quick.toml", &[])];
 
-/// What a GPU makes of the step.
+/// Times of the step on a GPU.
 #[derive(Parser)]
 struct Arguments {
     /// Peak bandwidth of the adapter's memory, as its maker states it [GB/s]; without it no pass is set beside it
@@ -90,7 +90,7 @@ fn run() -> Result<(), Box<dyn Error>> {
         "bytes": "each array that a pass reads, once as a whole, and each that it writes, once (PlanRow::bytes)",
         "scenes": scenes,
     });
-    // What was not measured is left out.
+    // Peak rates that no flag gives and checks that were not run are left out.
     if let Some(bandwidth) = arguments.bandwidth {
         document["peak_bandwidth_gb_per_s"] = bandwidth.into();
     }
@@ -205,8 +205,8 @@ fn measure(gpu: &Gpu, name: &str, file: &str, keys: &[&str], arguments: &Argumen
 /// Times that the neighbour list may grow while steps are timed.
 const ATTEMPTS: u32 = 4;
 
-/// What a step takes on the GPU, of many that are encoded and submitted together and run without timers, and what the
-/// host takes to encode it \[ms\].
+/// Time of a step on the GPU, of many that are encoded and submitted together and run without timers, and time in which
+/// the host encodes it \[ms\].
 fn on_the_gpu(gpu: &Gpu, simulation: &mut Simulation, steps: u64) -> Result<(f64, f64), Box<dyn Error>> {
     let ms_each = |from: Instant, to: Instant| (to - from).as_secs_f64() * 1e3 / steps as f64;
     for _ in 0..ATTEMPTS {

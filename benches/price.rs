@@ -1,4 +1,4 @@
-//! What turbulence costs, at any scale: `cargo bench --bench price [-- --small] [--rounds N]`.
+//! Cost of turbulence, at any scale: `cargo bench --bench price [-- --small] [--rounds N]`.
 //!
 //! Two bounds, on one adapter in one run: a step of fig3c (s = 18 mm) takes at most 1.05 times as long as one of fig2b
 //! (6 mm), and all of turbulence at 6 mm at most 0.35 of what it takes by the direct sum cut at 3 s. Prints both,
@@ -22,7 +22,7 @@ type Result<T> = std::result::Result<T, Box<dyn Error>>;
 const BOUNDS: [(&str, f64); 2] =
     [("step at 18 mm over step at 6 mm", 1.05), ("turbulence at 6 mm over that by the direct sum cut at 3 s", 0.35)];
 
-/// What turbulence costs at two scales.
+/// Cost of turbulence at two scales.
 #[derive(Parser)]
 struct Arguments {
     /// The copies in examples/scenes/small instead of the paper's size

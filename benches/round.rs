@@ -1,6 +1,6 @@
 //! One turn of a comparison: `cargo bench --bench round [-- --steps N] [NAME…]`.
 //!
-//! Prints a line per scene and stage, `SCENE HEADING MS` with tabs between, the time of a step on the adapter's own
+//! Prints a line per scene and stage, `SCENE STAGE MS` with tabs between, the time of a step on the adapter's own
 //! clock; and for each scene a line `wall`, the median time of a step on the host's clock, and a line `particles`.
 //! `cargo xtask bench` runs two builds of this program by turns. `cargo test --bench round` runs one step of the
 //! smallest scene.
@@ -34,7 +34,7 @@ const SCENES: [(&str, &str, &[&str], bool); 7] = [
     ("fig3c", "fig3c.toml", &["time.substeps=1"], false),
 ];
 
-/// What one turn takes.
+/// Arguments of one turn.
 #[derive(Parser)]
 struct Arguments {
     /// Scenes to run [default: quick, published, rods, fig2b small]

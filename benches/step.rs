@@ -82,7 +82,7 @@ const SCALES: &[Size] = &[
     },
 ];
 
-/// What each stage's work grows with.
+/// Sizes that each stage's work grows with.
 const GROUPS: [(&str, &[Size]); 10] = [
     ("forcing", PARTICLES),
     ("neighbours", PARTICLES),

@@ -1,6 +1,6 @@
-//! What `windswept validate` leaves out for its time: short steps and vortices of three dimensions, a tuft in air's own
-//! sums, the force on strands that stand still in boxes so large that the flow around them has room, a porous strip
-//! across a channel, a bundle of strands, a mat that lies for ten seconds, and hair that comes to rest on bodies.
+//! Checks that `windswept validate` leaves out for their time: short steps and vortices of three dimensions, a tuft in
+//! air's own sums, the force on strands that stand still in boxes so large that the flow around them has room, a porous
+//! strip across a channel, a bundle of strands, a mat that lies for ten seconds, and hair that comes to rest on bodies.
 
 #![allow(clippy::unwrap_used, missing_docs)]
 

@@ -1,5 +1,5 @@
-//! What goes wrong with a GPU is an error that names it, or is done in another way: a device that is lost, that runs
-//! out of memory or allows little.
+//! A fault of a GPU is an error that names it, or the engine works in another way: a device that is lost, that runs out
+//! of memory or allows little.
 #![allow(clippy::unwrap_used)]
 
 mod support;
@@ -23,7 +23,7 @@ fn scene() -> Scene {
     Scene::parse(SCENE).unwrap()
 }
 
-/// What the engine says of a device with these limits, and the device.
+/// A device with these limits, and the engine's result for it.
 fn with_limits(limits: wgpu::Limits) -> (wgpu::Device, Result<Gpu, GpuError>) {
     support::callers_device(&wgpu::DeviceDescriptor { required_limits: limits, ..Default::default() })
 }
@@ -145,8 +145,8 @@ fn small_bindings_are_named() {
     enough.step(2).unwrap();
 }
 
-/// What is too large by the numbers that the scene or the groom says is refused before the initial state is made, which
-/// here cannot be, in the words that are said of a state that was made.
+/// A simulation that is too large by the counts of the scene or the groom is refused before the initial state is made,
+/// which here cannot be made. The error is that of an initial state that was made.
 #[test]
 fn what_cannot_fit_is_refused_before_it_is_made() {
     let limits = wgpu::Limits { max_storage_buffer_binding_size: 16 << 10, ..wgpu::Limits::default() };

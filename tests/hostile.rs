@@ -86,9 +86,9 @@ fn corpus(name: &str) -> Vec<PathBuf> {
     files
 }
 
-/// Reads bytes; what the reader did that it must not do. One that takes long is tried again, later each time: others
-/// may have had the processor. One that does not return, as a C library may not, cannot be stopped: it ends the
-/// program, and the bytes are kept.
+/// Reads bytes and returns the reader's fault. A reader that takes long is tried again, later each time: other
+/// processes may have had the processor. A reader that does not return, as a C library may not, cannot be stopped: it
+/// ends the program, and the bytes are kept.
 fn fault(target: &targets::Target, bytes: &[u8]) -> Option<String> {
     let mut least = Duration::MAX;
     for pause in 0..8 {

@@ -11,7 +11,7 @@ use windswept_scene::Scene;
 
 /// Names the case to the process that runs it.
 const CASE: &str = "WINDSWEPT_MEMORY_CASE";
-/// What stands before what two steps of a case leave behind, as the process prints it [MB].
+/// Prefix of the growth of memory by two steps of a case, as the process prints it [MB].
 const GROWN: &str = "grown: ";
 
 /// Memory of this process that is in RAM [MB].
@@ -21,7 +21,7 @@ fn resident() -> f64 {
     1e-3 * line.split_whitespace().nth(1).unwrap().parse::<f64>().unwrap()
 }
 
-/// What is set in `quick`, by the number of the case.
+/// Keys that are set in `quick`, by the number of the case.
 fn sets(case: usize) -> Option<Vec<String>> {
     let body = "body=[{name='a',center=[0.1,0.06,0.03],radius=0.012}]";
     let fields = "force=[{name='a',field='jet',origin=[0.02,0.06,0.03],axis=[1,0,0],reach=0.1,strength=2},\
@@ -65,7 +65,7 @@ fn memory_is_flat() {
     }
 }
 
-/// What two steps leave behind in this process [MB]: the ninth of twelve such growths, from the largest. Memory may be
+/// Growth of this process's memory by two steps [MB]: the ninth of twelve such growths, from the largest. Memory may be
 /// had for longer lists or by another thread, but not in every step.
 fn grown(sets: &[String]) -> f64 {
     let gpu = support::gpu();

@@ -41,10 +41,9 @@ fn density_correction_keeps_momentum() {
     assert!(sum.length() < 1e-6 * whole, "{}", sum.length() / whole);
 }
 
-/// Points of hair that are many to a parcel of air each take a part of the divergence that all of them see: a brush
-/// with points
-/// 0.5 mm apart, in one fluid with still air, hangs there and does not stir it. When each took all of it, the run ended after seven
-/// steps.
+/// Hair points, many to an air particle's volume, each take a part of the divergence that all of them see: a brush with
+/// points 0.5 mm apart, in one fluid with still air, hangs there and does not stir it. When each took all of it, the
+/// run ended after seven steps.
 #[test]
 fn fine_strands_in_one_fluid_with_air_do_not_stir_it() {
     let scene = Scene::parse(

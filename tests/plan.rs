@@ -1,4 +1,4 @@
-//! What runs for which scene, and that whatever is left out would have changed nothing.
+//! Passes that run for each kind of scene; a pass that is left out would have changed nothing.
 #![allow(clippy::unwrap_used)]
 
 mod support;
@@ -254,7 +254,7 @@ fn sharing_memory_changes_nothing() {
         let initial = InitialState::new(&scene).unwrap();
         let setup = Setup::new(&scene, &initial);
         let gpu = support::gpu();
-        // What there is after four steps, and before a step what `spoil` does.
+        // State after four steps, with `spoil` before each step.
         let steps = |mut engine: Engine, spoil: &dyn Fn(&Engine)| {
             engine.grow_neighbours(1, 200 * setup.sizes().particles).unwrap();
             let recording = recordings(&setup, engine.state()).swap_remove(0);
@@ -313,8 +313,8 @@ fn operations_are_those_of_a_count_by_hand() {
     assert_eq!(of(&shaders::turbulence::STRENGTHEN), (11, 0, 0, false));
     assert_eq!(of(&shaders::fluid::VELOCITY), (7, 0, 0, false));
     assert_eq!(of(&shaders::turbulence::WEIGH), (7, 0, 0, false));
-    // What four pairs take: gaps 12, their squares over h^2 24, roots 8, how much of h is left 12, slopes 12, and of
-    // h^2 8, kernels 12, do they coincide 4. Each of eight then adds a product of three, 6. Reading one takes 5, and
+    // Operations of four pairs: gaps 12, their squares over h^2 24, roots 8, how much of h is left 12, slopes 12, and
+    // of h^2 8, kernels 12, do they coincide 4. Each of eight then adds a product of three, 6. Reading one takes 5, and
     // its image 9.
     let four = 12 + 24 + 8 + 12 + 12 + 8 + 12 + 4;
     let react = of(&shaders::rods::REACT);

@@ -93,7 +93,7 @@ fn air_lies_in_memory_as_it_lies_in_the_box() {
     }
 }
 
-/// What a simulation measures at its particles is by their ids: it is what single passes find at the places of a frame.
+/// Quantities of a simulation at its particles are by their ids: single passes find the same at the places of a frame.
 #[test]
 fn quantities_go_by_id() {
     let [_, scene] = scenes();

@@ -41,7 +41,7 @@ impl Storm {
         Scene::parse(&text).unwrap()
     }
 
-    /// What the storm did that it must not do.
+    /// Faults of the storm's run.
     fn blow(self, gpu: &Gpu) -> Vec<String> {
         let mut simulation = Simulation::new(gpu, &self.scene()).unwrap();
         let fastest = |all: &[[f32; 3]]| {

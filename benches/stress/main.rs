@@ -51,7 +51,7 @@ struct Arguments {
     bench: bool,
 }
 
-/// What a stress measured.
+/// A stress and its measurements.
 struct Stressed {
     stress: &'static Stress,
     sweeps: Vec<Sweep>,
@@ -77,7 +77,7 @@ fn run() -> Result<()> {
     let asked = |stress: &&Stress| arguments.stresses.is_empty() || arguments.stresses.iter().any(|n| n == stress.name);
     let stresses: Vec<_> = STRESSES.iter().filter(asked).collect();
     let is_asked = |name: &str| arguments.bench && stresses.iter().any(|stress| stress.name == name);
-    // What a process has and is made of is measured before others run in it.
+    // Memory and threads of the process are measured before other stresses run in it.
     let grown = is_asked("long run").then(|| memory(&gpu)).transpose()?;
     let threads = is_asked("bits").then(thread_counts).transpose()?;
     let mut all = side_by_side(stresses, extent)?;

@@ -10,7 +10,7 @@ use crate::{Stressed, chart, provenance};
 /// Settings of a sweep that does not hold which the page names.
 const NAMED: usize = 20;
 
-/// The page as Markdown. What `before`, the page that is there, says of stresses that were not run now stays.
+/// The page as Markdown. Parts of `before`, the page that is there, about stresses that were not run now stay.
 pub(crate) fn page(gpu: &Gpu, all: &[Stressed], took: Duration, before: &str) -> String {
     let of = |stress: &Stress| all.iter().find(|stressed| stressed.stress.name == stress.name);
     let parts: Vec<Part> =
@@ -35,7 +35,7 @@ pub(crate) fn page(gpu: &Gpu, all: &[Stressed], took: Duration, before: &str) ->
 
 const TABLE: &str = "| Stress | Settings | Quantity | Worst | at | Bound | Holds |\n|---|---|---|---|---|---|---|\n";
 const FAILURES: &str = "## What does not hold\n\n";
-/// What the last column says of a row that holds, and of one that only says what was measured.
+/// Last column of a row that holds, and of a row without a bound.
 const HOLDS: &str = "yes";
 const UNBOUNDED: &str = "–";
 
@@ -45,7 +45,7 @@ fn provenance_in(page: &str) -> Option<&str> {
     head.split_once("rows hold.\n\n").map(|(_, run)| run)
 }
 
-/// What a page says of a stress.
+/// Part of a page about a stress.
 #[derive(Default)]
 struct Part {
     /// Rows of the table.
@@ -74,7 +74,7 @@ impl Part {
         part
     }
 
-    /// What a page that was made before says of a stress, if anything.
+    /// Part of an earlier page about a stress, if it has one.
     fn in_page(page: &str, stress: &Stress) -> Option<Self> {
         let lines = |text: &str, mut keep: Box<dyn FnMut(&str) -> bool + '_>| -> String {
             text.lines().filter(|line| keep(line)).flat_map(|line| [line, "\n"]).collect()

@@ -1,4 +1,4 @@
-//! What pictures of panels on log axes share: sizes, colours, axes, numbers.
+//! Common parts of pictures of panels on log axes: sizes, colours, axes, numbers.
 
 use std::ops::Range;
 

@@ -1,5 +1,5 @@
-//! What keeps air from being compressed: the density constraint by iterations and relaxation, on one solve of disturbed
-//! air and on air that moves; both solvers by iterations and substeps, on what an ideal fluid keeps.
+//! Incompressibility of air: the density constraint by iterations and relaxation, on one solve of disturbed air and on
+//! air that moves; both solvers by iterations and substeps, on the invariants of an ideal fluid.
 
 use std::f64::consts::TAU;
 

@@ -48,7 +48,7 @@ const AIR: [Air; 8] = [
     Air::Published,
 ];
 
-/// What the air is solved by.
+/// Solver of the air.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Air {
     /// Solver divergence with so many iterations of its pressure.

@@ -23,12 +23,12 @@ const SOON: f64 = 0.04;
 /// When the hair is at rest, and until when its tip is averaged \[s\].
 const REST: f64 = 0.3;
 const END: f64 = 0.4;
-/// What times are of \[s\].
+/// Simulated time that a time is for \[s\].
 const SIMULATED: f64 = 0.01;
-/// What hair is blown by.
+/// Winds that blow the hair.
 const AIR: [Blows; 5] = [Blows::Pressure(2), Blows::Pressure(1), Blows::Pressure(4), Blows::Pbf(4), Blows::Mean];
 
-/// What hair is blown by.
+/// Wind that blows the hair.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Blows {
     /// Air particles of solver divergence, with so many iterations of its pressure.

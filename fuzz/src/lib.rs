@@ -72,7 +72,7 @@ fn is_small(scene: &Scene) -> bool {
 /// A checkpoint is read or refused, with the checksums that it has and with those that it should have.
 pub fn checkpoint(bytes: &[u8]) {
     for bytes in [bytes.to_vec(), with_checksums(bytes)] {
-        // What is read belongs to a scene; whether it fits an adapter is found out there.
+        // A checkpoint that is read belongs to a scene; `start` finds out whether it fits an adapter.
         let _ = Checkpoint::from_bytes(&bytes, "bytes").map(|read| read.scene().clone());
     }
 }
@@ -143,7 +143,7 @@ fn groom(extension: &str, bytes: &[u8]) {
     }
 }
 
-/// What is made of curves: fewer and other points, and the state of a scene.
+/// Fits curves to fewer and other points, and makes the state of a scene of them.
 fn strands(curves: Curves) {
     let _ = curves.bounds();
     let file = GroomFile { strands: Some(50), points: Some(9), ..GroomFile::new("groom") };

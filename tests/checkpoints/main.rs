@@ -192,8 +192,8 @@ fn who_sleeps_sleeps_on() {
     assert_eq!(slept, 12 * 2 * 21, "all strands sleep through 21 steps of two substeps");
 }
 
-/// A simulation that is driven by its caller: roots, wind, hair and air. What was set and has not acted yet is saved
-/// too.
+/// A simulation that is driven by its caller: roots, wind, hair and air. Values that were set and have not acted yet
+/// are saved too.
 #[test]
 fn what_was_set_is_saved() {
     let gusts = KINDS[1].1;
@@ -212,7 +212,7 @@ fn what_was_set_is_saved() {
     simulation.set_roots(&moved(2e-3), None).unwrap();
     simulation.set_force(&push(&simulation, 9.0)).unwrap();
     goes_on(&mut simulation, "driven");
-    // What a callback said last is saved, and the callback is not: this one says the same in every step.
+    // The last force of a callback is saved, and the callback is not: this one returns the same in every step.
     let said = push(&simulation, -9.0);
     simulation.set_force_by(move |_| Ok(said.clone()));
     simulation.step(2).unwrap();
@@ -286,8 +286,8 @@ fn a_list_that_has_grown_grows_again() {
     goes_on(&mut simulation, "grown");
 }
 
-/// What a step reads before any of its passes has written it, and what some pass writes, carries something from one
-/// step to the next: it is declared to last. So is what the host writes between steps.
+/// An array that a step reads before any of its passes has written it, and that some pass writes, carries something
+/// from one step to the next: it is declared to last. So is an array that the host writes between steps.
 #[test]
 fn what_a_step_reads_from_the_one_before_is_declared_to_last() {
     for (name, sets) in KINDS {

@@ -1,4 +1,4 @@
-//! What no checkpoint may be: damaged, cut off, or beside files other than those that it was saved with.
+//! Files that are refused as checkpoints: damaged, cut off, or beside files other than those that it was saved with.
 
 use std::fs;
 
@@ -10,8 +10,8 @@ use windswept_scene::{Curves, Scene};
 
 use super::{BALL, TURN, push, scene, sections, support, with_section};
 
-/// Whatever stands in a section, with checksums that fit: an error or a simulation, and no panic. Every section is
-/// spoiled, in its length, in single bytes and in runs of them.
+/// Any content of a section, with checksums that fit, gives an error or a simulation, and no panic. Every section is
+/// made invalid, in its length, in single bytes and in runs of them.
 #[test]
 fn no_content_is_a_panic() {
     let mut simulation = Simulation::new(&support::gpu(), &scene(&[BALL, TURN])).unwrap();
@@ -29,7 +29,7 @@ fn no_content_is_a_panic() {
             match round % 4 {
                 0 => content.truncate(random.random_range(0..*len)),
                 1 => content.extend([7; 9]),
-                // What counts and offsets stand first.
+                // Counts and offsets stand first.
                 2 => content[random.random_range(0..(*len).min(64))] = random.random(),
                 _ => {
                     let start = random.random_range(0..*len);
@@ -44,7 +44,7 @@ fn no_content_is_a_panic() {
                     refused += 1;
                 }
                 Ok(mut loaded) => {
-                    // What is not finite may end it.
+                    // A value that is not finite may end the run.
                     let _ = loaded.step(1);
                     let _ = loaded.report();
                     taken += 1;
@@ -56,8 +56,8 @@ fn no_content_is_a_panic() {
     assert!(refused > 0 && taken > 0);
 }
 
-/// What a step takes as it finds it is refused where it is no number, no rotation or no particle, by the file and the
-/// section: a step would not look at it.
+/// A row that a step reads unchecked is refused where it is no number, no rotation or no particle. The error names the
+/// file and the section.
 #[test]
 fn what_a_step_does_not_look_at_is_refused() {
     let free = "hair.fringe.root=free";
@@ -124,7 +124,7 @@ fn what_is_not_whole_is_refused() {
     assert_eq!(Checkpoint::open(&path).unwrap().adapter(), simulation.gpu().info());
 }
 
-/// What cannot be written is an error with the path, and leaves what was there and nothing else.
+/// A checkpoint that cannot be written is an error with the path. The folder keeps its files and gets no other.
 #[test]
 fn what_cannot_be_saved_is_an_error() {
     let simulation = Simulation::new(&support::gpu(), &scene(&[])).unwrap();
@@ -190,13 +190,13 @@ fn a_file_that_has_changed_is_named() {
     refused("body \"block\"", "block.obj");
     write(0.01, 0.001);
     refused("hair", "groom.npz");
-    // One that goes on remembers what it began with.
+    // A loaded simulation remembers the files that it began with.
     loaded.step(1).unwrap();
     loaded.save(&now).unwrap();
     refused("hair", "groom.npz");
     fs::remove_file(at("groom.npz")).unwrap();
     refused("hair", "groom.npz");
-    // What never ends is not read.
+    // A file that never ends is not read.
     #[cfg(unix)]
     {
         std::os::unix::fs::symlink("/dev/zero", at("groom.npz")).unwrap();

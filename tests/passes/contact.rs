@@ -109,7 +109,7 @@ fn bits(contact: &contact::Contact) -> u32 {
     bits.iter().filter(|(is, _)| *is).map(|(_, bit)| bit).sum()
 }
 
-/// What every contact's spring gives by a unit of force, about \[m/N\].
+/// Compliance of every contact's spring, about \[m/N\].
 fn gives(fixture: &Fixture) -> Vec<f64> {
     let (p, s) = (&fixture.parameters, &fixture.reference);
     let segments = (0..s.hair.len()).flat_map(|strand| s.hair.points(strand).skip(1));
@@ -230,7 +230,7 @@ fn place_is_that_of_the_reference() {
     assert!(worst < 3e-7 && slowest < 2e-7, "{worst} {slowest}");
 }
 
-/// Strands of two segments in any place and motion, some asleep, lost or sent far away, with memories of any contact:
+/// Strands of two segments in any place and motion, some sleeping, lost or sent far away, with memories of any contact:
 /// how they stand to bodies.
 #[test]
 fn begin_is_that_of_the_reference() {

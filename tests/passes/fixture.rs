@@ -198,7 +198,7 @@ impl Fixture {
         self.engine.read(array).unwrap().into_iter().map(f64::from).collect()
     }
 
-    /// What XSPH is to exchange at each particle: its S, or how the flow deforms it.
+    /// A part of each particle's `Exchange` for XSPH: its S, or how the flow deforms it.
     pub fn exchange(&self, part: fn(&Exchange) -> f32) -> Vec<f64> {
         self.engine.read(&self.engine.state().exchange).unwrap().iter().map(|all| f64::from(part(all))).collect()
     }

@@ -93,7 +93,7 @@ impl Walk<'_> {
         let pairs = || got.iter().zip(&points);
         let speed = |a: &[f32], b: DVec3| (xyz(a) - b).length();
         let slips = pairs().map(|(a, b)| speed(&a.pull, b.pull).max(speed(&a.moved, b.moved)));
-        // What the constraint moved a point by is an impulse; positions are compared where they move.
+        // A point's move by the constraint is an impulse; positions are compared where they move.
         self.same("fluid/slip", largest(slips), bounds.length / self.p().step)?;
         let most = largest(points.iter().map(|point| point.multiplier.abs())).max(self.of_one_percent());
         let multipliers = pairs().map(|(a, b)| (f64::from(a.multiplier) - b.multiplier).abs() / most);
@@ -213,7 +213,7 @@ impl Walk<'_> {
         self.same("fluid/divergence", largest(gaps), bounds.multiplier)
     }
 
-    /// What pressures push.
+    /// Push of the pressures.
     fn push(&mut self, s: &Reference, w: &mut Scratch, passes: &mut Passes<'_>, pressure: &[f64]) -> Same {
         let p = self.p();
         let first = if p.model == Model::Particles { 0 } else { p.hair_points };

@@ -201,7 +201,7 @@ fn roots_are_those_of_the_reference() {
 
 /// Strands that their step left bad, or that are invalid when it begins, start it from their rest shape, at rest and
 /// with no memory; a tip that is held stays, a root that nothing holds stays where it drifted to. The others keep their
-/// bits. What was bad before is counted already. A step that froze does the same again.
+/// bits. A strand that was bad before is counted already. A step that froze does the same again.
 #[test]
 fn reset_is_that_of_the_reference() {
     for n in support::SIZES {
@@ -423,7 +423,7 @@ pub fn fields() -> Vec<Force> {
     ]
 }
 
-/// What force fields and an acceleration that was set add to air, at any step of a run.
+/// Velocity that force fields and an acceleration that was set add to air, at any step of a run.
 #[test]
 fn forces_on_air_are_those_of_the_reference() {
     for n in support::SIZES {

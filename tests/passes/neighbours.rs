@@ -314,8 +314,8 @@ fn pairs_on(gpu: &Gpu, sizes: &[usize]) {
     }
 }
 
-/// What the pass keeps of a neighbour counts up to 524288 particles of a row of cells. With more the step says so, and
-/// lists nobody in another's place.
+/// The place of a neighbour that the pass keeps counts up to 524288 particles of a row of cells. With more the step is
+/// an error, and lists no particle in another's place.
 #[test]
 fn a_row_of_too_many_particles_is_an_error() {
     let pass = &shaders::neighbours::LIST;

@@ -232,8 +232,8 @@ pub const BOUNDS: Bounds = Bounds {
     nodes: 1.2e-3,
 };
 
-/// Bounds of a scene. What pressure does to air is felt by hair, and a gale makes more of rounding: the wind's part was
-/// measured 6.6e-6 m/s and 6.0e-5 m/s off. Strands that are held at both ends make more of it too: 1.1e-7 m, 8.3e-6 and
+/// Bounds of a scene. Pressure changes air and so hair, and strong wind makes rounding larger: the wind's part was
+/// measured 6.6e-6 m/s and 6.0e-5 m/s off. Strands that are held at both ends make it larger too: 1.1e-7 m, 8.3e-6 and
 /// 6.9e-3 1/s. The margin is 4.
 fn bounds(sets: &[&str]) -> Bounds {
     let wind = match sets {
@@ -391,7 +391,7 @@ struct Counts {
     resets: u64,
 }
 
-/// What happens to strands that are straight and at rest: the tip of one is plucked and swings, the others fall asleep,
+/// Events of strands that are straight and at rest: the tip of one is plucked and swings, the others fall asleep,
 /// the tip of another is pushed, a third is invalid, the root of a fourth jumps and that of a fifth moves a little, and
 /// the wind rises.
 fn life_of_strands(gpu: &Gpu, scene: &Scene) -> Vec<(Counts, Frame)> {

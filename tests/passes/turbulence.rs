@@ -262,7 +262,7 @@ fn compare(law: Law, filter: Filter, bounds: [f64; 4]) {
 
         let x = &reference.position;
         let blowing = forcing::mean_wind(p, u64::from(STEPS) + 1);
-        // What is left of the last band, the changes of both.
+        // Sum of the changes of all bands; band velocity and vorticity are those of the last one.
         let mut change = vec![DVec3::ZERO; x.len()];
         for band in &scene.turbulence.bands {
             let eddies = turbulence::band_velocity(p, band, blowing, x, &v, &reference.volume);

@@ -11,7 +11,7 @@ use crate::{
 };
 
 impl Walk<'_> {
-    /// What bodies have had of particles so far.
+    /// Impulses that bodies have from particles so far.
     pub fn impulses(&mut self, pass: &'static str, w: &Scratch, first: usize) -> Same {
         let walls = self.fixture.engine.read(&self.fixture.engine.state().wall).unwrap();
         let both = walls.iter().zip(&w.walls).skip(first);

@@ -1,4 +1,4 @@
-//! What is skipped of strands that rest.
+//! Work that is skipped for resting strands.
 
 use glam::{DQuat, DVec3};
 use windswept::{HairFrame, Simulation};
@@ -71,8 +71,8 @@ fn skipped(case: &Disturbed, drive: impl Fn(&mut Simulation, f64)) -> (f64, f64)
     apart
 }
 
-/// What runs that skip and runs that skip nothing may differ by, tips in lengths and frames in rad. Measured at most
-/// 6e-5 L and 2e-4.
+/// Bounds on the difference of runs that skip and runs that skip nothing, tips in lengths and frames in rad. Measured
+/// at most 6e-5 L and 2e-4.
 fn assert_not_missed(apart: &[(f64, f64)]) {
     assert!(apart.iter().all(|apart| apart.0 < 1e-4 && apart.1 < 2e-3), "{apart:?}");
 }
@@ -95,8 +95,7 @@ fn turn(simulation: &mut Simulation, turn: DQuat) {
     simulation.set_roots(&roots, Some(&frames)).unwrap();
 }
 
-/// Strands that are asleep are where they would be (< 1e-4 L), and wake by little wind and by roots that
-/// creep or turn.
+/// Sleeping strands are where they would be (< 1e-4 L), and wake by little wind and by roots that creep or turn.
 #[test]
 fn what_is_skipped_is_not_missed() {
     let apart = [
@@ -171,8 +170,8 @@ fn hair_sleeps_in_steady_wind() {
     }
 }
 
-/// In wind that the hair itself slows, it sleeps for good. (In 3 m/s at 0.69 ms the air behind it trembles more: it is
-/// asleep in six steps of ten.)
+/// In wind that the hair itself slows, it sleeps for good. (In 3 m/s at 0.69 ms the air behind it trembles more: it
+/// sleeps in six steps of ten.)
 #[test]
 #[ignore = "long: 20 s of CPU time"]
 fn hair_sleeps_in_wind_that_it_slows() {

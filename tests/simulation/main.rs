@@ -414,7 +414,7 @@ fn a_recorded_step_takes_the_substeps_that_are_left() {
     assert!(simulation.frame().unwrap() == own.frame().unwrap());
 }
 
-/// What is set is checked for what the next step would refuse; nothing is changed by what is not taken.
+/// A value that the next step would refuse is refused when it is set, and changes nothing.
 #[test]
 fn what_no_step_could_begin_with_is_not_set() {
     let mut simulation = Simulation::with_state(&support::gpu(), &windy(), brush(2)).unwrap();

@@ -122,7 +122,7 @@ fn what_ended_a_run_is_put_back_to_rest() {
         let reset = simulation.recover(error).unwrap();
         println!("{reset}");
         assert_eq!((reset.step, reset.air), (3, air));
-        // Air that is not finite spoils what it touches in the same step.
+        // Air that is not finite makes strands that it touches invalid in the same step.
         let invalid = if air { reset.strands >= 4 } else { reset.named == [6, 7, 8, 9] && reset.strands == 4 };
         assert!(invalid, "{reset}");
         (simulation, reset.strands)
@@ -162,7 +162,7 @@ fn air_faster_than_anything_ends_the_run() {
     );
 }
 
-/// What comes back each time is not put back for ever, and a run that nothing ended has nothing to be put back.
+/// A fault that comes back each time is not reset for ever, and a run that no error ended has nothing to be reset.
 #[test]
 fn what_comes_back_ends_the_run() {
     let mut simulation = Simulation::with_state(&support::gpu(), &windy(), brush(4)).unwrap();
@@ -196,8 +196,8 @@ fn what_comes_back_ends_the_run() {
     assert!(ended.contains(&words), "{ended}: {words}");
 }
 
-/// A strand of the brook starts the next step in its rest shape if somebody writes into it what no strand can have, and
-/// all else has the bits of a run in which it was put there by hand: nothing else has met what was written.
+/// A strand of the brook starts the next step in its rest shape if an invalid value is written into it, and all
+/// else has the bits of a run in which it was put there by hand: nothing else has met what was written.
 #[test]
 fn what_is_written_into_a_strand_is_found() {
     // Each takes the way that a point moves by.
@@ -235,13 +235,13 @@ fn what_is_written_into_a_strand_is_found() {
     }
 }
 
-/// What no strand can have is found even if it came into one by the device's queue alone, where nobody looks: the step
-/// that meets it is taken again as if it had been written otherwise, and the run has the bits of one in which the
-/// strand was put there by hand.
+/// An invalid value is found even if it was written into a strand by the device's queue alone, where the engine does
+/// not look: the step that meets it is taken again as if it had been written otherwise, and the run has the bits of one
+/// in which the strand was put there by hand.
 #[test]
 fn what_comes_behind_the_engines_back_resets_its_strand() {
     for scene in brooks() {
-        // A particle of air exchanges no more than it bears with hair that drags it: what is a thousand times as fast
+        // A particle of air exchanges no more than it bears with hair that drags it: a point a thousand times as fast
         // as anything goes unnoticed there, and only its strand is swept along.
         let fast = if scene.interaction.model == Model::Particles { 1e7 } else { 1e30 };
         let values = [("position", f32::NAN), ("position", 1e30), ("velocity", f32::NAN), ("velocity", fast)];

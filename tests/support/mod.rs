@@ -1,4 +1,4 @@
-//! What the tests share: the software adapter, scenes made in code, particles in awkward numbers.
+//! Code that the tests share: the software adapter, scenes made in code, particles in awkward numbers.
 #![allow(dead_code, unreachable_pub, clippy::unwrap_used, missing_docs)]
 
 use std::sync::{Mutex, MutexGuard, PoisonError};

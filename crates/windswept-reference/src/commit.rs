@@ -78,8 +78,8 @@ pub fn check(p: &Parameters, bad: usize, positions: &[DVec3], velocities: &[DVec
 }
 
 /// Commits what a step arrived at: it becomes the state, and air is wrapped into the box. Hair remembers its move, and
-/// the velocities that it had with all that acted from outside since. What was put somewhere starts anew, but for a
-/// sleeper's velocity of the step before: what presses a sleeper all the time must not kick it when it wakes, and BDF2
+/// the velocities that it had with all that acted from outside since. Placed hair starts anew, but for a sleeping
+/// strand's velocity of the step before: a constant push on a sleeping strand must not kick it when it wakes, and BDF2
 /// takes a third of the change of it.
 pub fn commit(p: &Parameters, s: &mut State, w: Scratch) {
     for (k, segment) in w.moving.segments.iter().enumerate() {

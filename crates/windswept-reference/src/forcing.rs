@@ -221,7 +221,7 @@ fn rate(p: &Parameters, steps: u64, position: DVec3) -> f64 {
     if speed > 0.0 && p.fringe > 0.0 { (0..3).map(face).sum() } else { 0.0 }
 }
 
-/// What the air in the fringe misses of the wind \[m/s\]: the mean of U + u' less the air's velocity, weighted by the
+/// Deficit of the air in the fringe to the wind \[m/s\]: the mean of U + u' less the air's velocity, weighted by the
 /// rates, once the mean wind's change in step number `steps` is added to all air.
 #[must_use]
 pub fn fringe_deficit(p: &Parameters, steps: u64, positions: &[DVec3], velocities: &[DVec3]) -> DVec3 {
@@ -237,7 +237,7 @@ pub fn fringe_deficit(p: &Parameters, steps: u64, positions: &[DVec3], velocitie
     if all > 0.0 { sum / all } else { DVec3::ZERO }
 }
 
-/// What all air lacks of the wind of step number `steps` \[m/s\]: what the fringe misses, along the wind.
+/// Deficit of all air to the wind of step number `steps` \[m/s\]: the fringe's deficit, along the wind.
 #[must_use]
 pub fn hold(p: &Parameters, steps: u64, fringe_deficit: DVec3) -> DVec3 {
     let wind = mean_wind(p, steps + 1);
@@ -246,7 +246,7 @@ pub fn hold(p: &Parameters, steps: u64, fringe_deficit: DVec3) -> DVec3 {
 
 /// Change that the wind makes in step number `steps` to air at `position` that moves with `velocity` \[m/s\].
 ///
-/// The mean wind's change and the lack are added first, then v += (1 − e^{−σΔt})(U + u' − v), with u' the turbulence
+/// The mean wind's change and the deficit are added first, then v += (1 − e^{−σΔt})(U + u' − v), with u' the turbulence
 /// that the wind brings in and σ the rate of the fringe.
 #[must_use]
 pub fn fringe(p: &Parameters, steps: u64, wind_deficit: DVec3, position: DVec3, velocity: DVec3) -> DVec3 {

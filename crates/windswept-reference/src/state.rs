@@ -23,18 +23,18 @@ pub struct State {
     /// Velocity of each hair point one step before, with all that acted from outside since \[m/s\].
     pub velocity_before: Vec<DVec3>,
     /// Change of each hair point's velocity by all that acted from outside in its last step awake, a mean of those on
-    /// end in which its strand was still \[m/s\]; 0 with the model `particles`.
+    /// end in which its strand rested \[m/s\]; 0 with the model `particles`.
     pub external_dv: Vec<DVec3>,
     /// Change of each hair point's velocity by its rod and gravity in its last step awake \[m/s\]; 0 with the model
     /// `particles`.
     pub own: Vec<DVec3>,
     /// Slip that friction of hair on hair holds each hair point back from \[m/s\]: see [`crate::fluid::friction`].
     pub grip: Vec<DVec3>,
-    /// What pressure leaves each particle from step to step; 0 with solver `pbf`.
+    /// Memory of pressure of each particle from step to step; 0 with solver `pbf`.
     pub pressed: Vec<Pressed>,
-    /// Way of each hair point from where it was when its strand became still \[m\].
+    /// Way of each hair point from where it was when its strand came to rest \[m\].
     pub rest_drift: Vec<DVec3>,
-    /// Turn of each segment since its strand became still \[rad\].
+    /// Turn of each segment since its strand came to rest \[rad\].
     pub segment_rest_drift: Vec<DVec3>,
     /// Turn of each segment in the last step \[rad\].
     pub turn: Vec<DVec3>,
@@ -52,14 +52,14 @@ pub struct State {
     pub tip_force: Vec<DVec3>,
     /// Number of steps on end in which each strand was at rest.
     pub resting: Vec<u32>,
-    /// Whether each strand is asleep.
+    /// Whether each strand sleeps.
     pub sleeping: Vec<bool>,
-    /// What contacts of hair with bodies keep, of points and then of segments, each with every body; empty before the
+    /// Memories of contacts of hair with bodies, of points and then of segments, each with every body; empty before the
     /// first step.
     pub contacts: Vec<Memory>,
     /// Number of strand-steps by Euler where BDF2 is asked for, so far.
     pub euler_steps: usize,
-    /// Number of strand-steps asleep, so far.
+    /// Number of sleeping strand-steps, so far.
     pub sleeping_steps: usize,
     /// Number of strand-steps that had not settled after the last Newton step, so far.
     pub unsolved_steps: usize,

@@ -39,9 +39,9 @@ pub struct Scratch {
     pub invalid: usize,
     /// Mean wind in this step \[m/s\].
     pub blowing: DVec3,
-    /// What the air in the fringe misses of the wind, on average \[m/s\].
+    /// Mean deficit of the air in the fringe to the wind \[m/s\].
     pub fringe_deficit: DVec3,
-    /// What all air lacks of the wind, along it \[m/s\].
+    /// Deficit of all air to the wind, along it \[m/s\].
     pub wind_deficit: DVec3,
     /// Change that ramp, gusts and fringe make to each air particle \[m/s\].
     pub wind_change: Vec<DVec3>,
@@ -62,7 +62,7 @@ pub struct Scratch {
     pub coarse_impulse: Vec<DVec3>,
     /// Surroundings of each particle, as pressure sees them.
     pub moments: Vec<Moments>,
-    /// What pressure leaves each particle for the next step.
+    /// Memory of pressure of each particle for the next step.
     pub pressed: Vec<Pressed>,
     /// Grip of each hair point after this step \[m/s\].
     pub grip: Vec<DVec3>,

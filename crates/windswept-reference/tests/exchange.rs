@@ -28,8 +28,8 @@ fn covered(p: &Parameters, s: &State, w: &Scratch, i: usize) -> f64 {
     air.map(|j| rods::weight(p, &w.local[i], w.predicted[j], s.volume[j])).sum()
 }
 
-/// What air loses is what hair gains of it, to rounding, in each of 30 steps; what the mean wind gives where air is
-/// thin is its own. And the work that hair takes never exceeds the energy that air loses.
+/// The momentum that air loses is that which hair gains of it, to rounding, in each of 30 steps; the mean wind's part
+/// where air is thin is its own. And the work that hair takes never exceeds the energy that air loses.
 #[test]
 fn momentum_is_exchanged_and_energy_lost() {
     for (fibres, dt, speed) in [(1.0, 1.38e-3, 3.0), (36.0, 1.38e-3, 3.0), (1000.0, 1.38e-3, 10.0), (200.0, 5e-3, 30.0)]
@@ -141,7 +141,7 @@ fn the_mean_wind_takes_over_where_air_is_missing() {
     assert!(least == 0.0 && before == Some(0.0));
 }
 
-/// What is put somewhere by force exchanges nothing; a sleeper does, as it stands.
+/// A strand that is reset or teleported exchanges nothing; a sleeping strand does, as it stands.
 #[test]
 fn who_exchanges() {
     let (p, initial) = tuft(36.0, 1.38e-3, 3.0);

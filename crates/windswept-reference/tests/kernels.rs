@@ -97,7 +97,7 @@ fn coincident_directions_are_antisymmetric_and_isotropic() {
     assert!((square - 1.0 / 3.0).abs().max_element() < 0.01, "{square}");
 }
 
-/// What lies beyond a plane of the kernels, by quadrature: ∫ W dV of Poly6, and −n · ∫ ∇W dV of Spiky, whose value at a
+/// Parts of the kernels beyond a plane, by quadrature: ∫ W dV of Poly6, and −n · ∫ ∇W dV of Spiky, whose value at a
 /// distance is its slope's integral.
 #[test]
 fn walls_take_what_lies_beyond_a_plane() {

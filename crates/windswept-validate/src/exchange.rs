@@ -1,4 +1,4 @@
-//! What hair and air exchange in the model `two-way`: the force on a strand that stands still beside the law, with the
+//! Exchange of hair and air in the model `two-way`: the force on a strand that stands still beside the law, with the
 //! air slowed as by a porous strip; a porous strip across a channel; a bundle of strands; momentum and energy.
 
 use glam::DVec3;
@@ -59,7 +59,7 @@ const ALONE: (u32, f64) = (1, 1e-9);
 /// Strands of the bundle, and the radius of their disc \[m\].
 const DENSE: (u32, f64) = (550, 52e-3);
 
-/// What it does to the air: means over steps.
+/// Effect of a fence on the air: means over steps.
 struct Felt {
     /// On all strands, downwind \[N\], and its rms about that \[N\].
     force: f64,
@@ -113,7 +113,7 @@ impl Fence {
         self.cells[2] as f64 * spacing() / self.finer - 2.0 * EDGE
     }
 
-    /// What all strands would feel by the law alone, each by itself in air of this speed \[N\].
+    /// Force on all strands by the law alone, each by itself in air of this speed \[N\].
     fn alone(&self, speed: f64) -> f64 {
         self.fibres * (f64::from(self.disc.0) * self.places.len() as f64) * self.length() * law(speed)
     }
@@ -387,7 +387,7 @@ ramp = 0.0
 ";
 const STEPS: u64 = 30;
 
-/// What air that streams past a tuft loses in whole steps is what the tuft was given; a single exchange loses energy.
+/// The momentum that air loses to a tuft in whole steps is that which the tuft gets; a single exchange loses energy.
 fn kept(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let scene = Scene::parse(TUFT)?;
     let mut initial = InitialState::new(&scene)?;

@@ -77,7 +77,7 @@ fn keyframes(gpu: &Gpu) -> Result<Row, Error> {
     Ok(Row::new("jet that turns round: velocity, of S", 0.0, off(&got, std::iter::repeat(wanted)), 8e-7, COURSE))
 }
 
-/// What a jet that begins and ends in the box adds to still air in a step.
+/// Velocity that a jet that begins and ends in the box adds to still air in a step.
 fn narrow_jet(gpu: &Gpu) -> Result<Row, Error> {
     let cloud = Cloud::random(11, 4);
     let (start, reach, radius, uptake) = (0.3 * cloud.size, 0.6 * cloud.size.x, 0.25 * cloud.size.x, 0.01);
@@ -102,7 +102,7 @@ fn narrow_jet(gpu: &Gpu) -> Result<Row, Error> {
     Ok(Row::new("jet that fades: what it adds to air, of S", 0.0, off(&got, wanted), 9e-7, FADES))
 }
 
-/// What a vortex adds to still air in a step, inside its radius and outside, and how that turns.
+/// Velocity that a vortex adds to still air in a step, inside its radius and outside, and how that turns.
 fn vortex(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let cloud = Cloud::lattice([11; 3], SIMPLE);
     let center = 0.5 * cloud.size;

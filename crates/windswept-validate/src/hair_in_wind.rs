@@ -64,7 +64,7 @@ impl Blown<'_> {
     /// The scene of the blown hair, with its wind, and the strand hanging straight down from `root`.
     fn scene(&self, root: DVec3, bounds: &str) -> Result<Scene, Error> {
         let Hair { radius, density, length, gravity, wind, viscosity, .. } = self.hair;
-        // What bends like the hair and stretches like a real one, however limp.
+        // The strand bends like the hair and stretches like a real one, however limp.
         let (stretch, bend) = (REAL.youngs_modulus * PI * radius.powi(2), self.hair.bend_stiffness());
         let text = format!(
             "gravity = [0, {}, 0]\ninteraction = {{ model = \"{}\" }}\ntime = {{ step = {}, duration = 100.0 }}\n\
@@ -205,7 +205,7 @@ pub(crate) fn two_way(gpu: &Gpu) -> Result<Vec<Row>, Error> {
                 Row::new(format!("{name}: tip off the solution"), 0.0, off(tip, wanted), 3e-3, PARTICLES).in_unit("L"),
             );
             rows.push(Row::new(format!("{name}: rms of the tip"), 0.0, rms, 5e-5, TREMBLES).in_unit("L"));
-            // What has passed by now is 0.12 s and the time that was watched.
+            // By now 0.12 s and the time that was watched have passed.
             simulation.step(((0.6 - 0.12 - WATCHED) / step).round() as u64)?;
             let (_, rms) = watched(&mut simulation, &hair, step)?;
             rows.push(Row::new(format!("{name}: rms of the tip after 0.6 s"), 0.0, rms, 1e-5, SETTLED).in_unit("L"));

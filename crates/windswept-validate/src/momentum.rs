@@ -101,7 +101,7 @@ pub(crate) fn exchanged(simulation: &mut Simulation, steps: u64) -> Result<(DVec
             change += *mass * if points[i].scheme == BDF2 { 1.5 * now - 0.5 * earlier } else { now };
             let impulse = DVec3::new(impulses[i][0].into(), impulses[i][1].into(), impulses[i][2].into());
             exchanged += impulse.length();
-            // What the mean wind gives where air is thin is its own.
+            // Where air is thin, the mean wind gives part of the impulse, and air particles do not.
             change -= impulse * (1.0 - f64::from(2.0 * sampled[i].filled)).max(0.0);
         }
         change += air_mass * end.2.iter().zip(&start.2).map(|(end, start)| *end - *start).sum::<DVec3>();
@@ -110,9 +110,9 @@ pub(crate) fn exchanged(simulation: &mut Simulation, steps: u64) -> Result<(DVec
     Ok((change, exchanged))
 }
 
-/// The same for the model `particles`, whose impulses cannot be read: in place of them there is what the momentum of
-/// each point of hair changes by in each step. Says how many steps it ran. What is exchanged in the step in which hair
-/// leaves the box, outside of which the mean wind drags it, does not count, and ends it.
+/// The same for the model `particles`, whose impulses cannot be read: in place of them there is the change of the
+/// momentum of each point of hair in each step. Returns the number of steps that it ran. The exchange in the step in
+/// which hair leaves the box, outside of which the mean wind drags it, does not count, and ends the run.
 pub(crate) fn received(simulation: &mut Simulation, steps: u64) -> Result<(DVec3, f64, u64), Error> {
     let initial = simulation.initial().clone();
     let air = initial.air.mass;

@@ -87,7 +87,7 @@ impl Vortices {
     }
 }
 
-/// What vortices, a void, uniform air and a blow keep.
+/// Rows of the invariants of vortices, a void, uniform air and a blow.
 pub(crate) fn rows(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let fluid = &air::scene("")?.fluid;
     let turnover = MELTED.turnover();
@@ -119,7 +119,7 @@ pub(crate) fn rows(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     Ok(rows)
 }
 
-/// What vortices keep at short steps and when they are large and fast, and what a stirred box does.
+/// Rows of the energy of vortices at short steps and when they are large and fast, and of a stirred box.
 pub(crate) fn limits(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let fluid = &air::scene("")?.fluid;
     let turnover = MELTED.turnover();
@@ -181,7 +181,7 @@ fn filled(gpu: &Gpu, fluid: &Fluid) -> Result<f64, Error> {
     Ok(within as f64 * initial.air.volume / (4.0 / 3.0 * std::f64::consts::PI * radius.powi(3)))
 }
 
-/// Momentum of air at rest in which one parcel was given a blow, off that blow after 20 steps, of it.
+/// Momentum of air at rest in which one particle was given a blow, off that blow after 20 steps, of it.
 fn blow(gpu: &Gpu, fluid: &Fluid) -> Result<f64, Error> {
     let cloud = Cloud::lattice([12; 3], SIMPLE).jittered(0.05, 7);
     let mut initial: InitialState = cloud.initial();

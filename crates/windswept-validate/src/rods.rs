@@ -111,7 +111,7 @@ pub fn build(rods: &[Rod], copies: usize, step: f64, gravity: f64, keys: &str) -
     Ok((scene, initial))
 }
 
-/// What this file runs: the direct solver with BDF2, awake. Damping in 1/s.
+/// The scene that this file runs: the direct solver with BDF2, awake. Damping in 1/s.
 fn built(rods: &[Rod], step: f64, damping: f64, gravity: f64) -> Result<(Scene, InitialState), Error> {
     let keys = format!("solver = \"direct\", integrator = \"bdf2\", sleep = false, damping = {damping}");
     build(rods, 1, step, gravity, &keys)

@@ -96,7 +96,7 @@ pub struct Sweep {
     pub unit: &'static str,
     /// Label of the number that the samples are drawn over; `None`: no picture.
     pub axis: Option<&'static str>,
-    /// What was measured, in the order of the settings.
+    /// Measurements, in the order of the settings.
     pub samples: Vec<Sample>,
     bound: f64,
 }
@@ -231,7 +231,7 @@ fn scene(text: &str, keys: &[&[&str]]) -> Result<Scene, Error> {
     Ok(Scene::parse_with("stress", text, &sets)?)
 }
 
-/// What a run did that must not do it; NaN where it ended early.
+/// Measures of a run's faults; NaN where it ended early.
 struct Felt {
     /// Largest stretch of a segment in any step.
     stretch: f64,
@@ -241,7 +241,7 @@ struct Felt {
     unsolved: f64,
     /// Largest speed of a hair point that was looked at \[m/s\].
     hair: f64,
-    /// What ended the run; empty: nothing.
+    /// Error that ended the run; empty: none.
     ended: String,
 }
 
@@ -287,7 +287,7 @@ fn watch(
     })
 }
 
-/// What ended a run, without when and without advice.
+/// Reason why a run ended, without when and without advice.
 fn reason(error: &RunError) -> String {
     error.to_string().split(" (t = ").next().unwrap_or_default().to_owned()
 }

@@ -27,7 +27,7 @@ const CELLS: [usize; 3] = [40, 20, 6];
 const APART: f64 = 2.0;
 /// Radius of the circle in which they stand \[spacings\].
 const CIRCLE: f64 = 3.0;
-/// Far too heavy to be moved: times a parcel of air.
+/// Mass of a hair point that is far too heavy to be moved, over that of an air particle.
 const HEAVY: f64 = 3e6;
 /// Air starts no nearer to a point \[spacings\].
 const ROOM: f64 = 0.62;
@@ -55,7 +55,7 @@ struct Felt {
     uneven: f64,
 }
 
-/// The scene, and the air around the tuft's points, each so many times as heavy as a parcel of air.
+/// The scene, and the air around the tuft's points, each so many times as heavy as an air particle.
 fn start(step: f64, wind: f64, weight: f64, seed: u64) -> Result<(Scene, InitialState), Error> {
     let d = spacing();
     let cloud = Cloud::lattice(CELLS, SIMPLE).jittered(0.05, seed).moving(|_| DVec3::X * wind);
@@ -98,7 +98,7 @@ fn start(step: f64, wind: f64, weight: f64, seed: u64) -> Result<(Scene, Initial
     Ok((scene, InitialState { hair, air, ..InitialState::default() }))
 }
 
-/// What a tuft that stands still feels at a step.
+/// Drag and eddies of a tuft that stands still, at a step.
 fn felt(gpu: &Gpu, step: f64, seed: u64) -> Result<Felt, Error> {
     let (scene, initial) = start(step, WIND, HEAVY, seed)?;
     let (size, points) = (initial.air.size, initial.hair.positions.len());

@@ -171,7 +171,7 @@ impl Tunnel {
         Ok(found)
     }
 
-    /// What air is like beside the body from one time to another, on average and at worst \[s\], with each step's force
+    /// State of the air beside the body from one time to another \[s\], on average and at worst, with each step's force
     /// on the body \[N\].
     fn run(&self, gpu: &Gpu, [from, to]: [f64; 2], every: u64) -> Result<(Beside, Vec<DVec3>), Error> {
         let mut simulation = self.simulation(gpu)?;

@@ -1,4 +1,4 @@
-//! What drives hair and air from outside: gusts, the fringe, roots on keyframes, drag on segments.
+//! Outside drives of hair and air: gusts, the fringe, roots on keyframes, drag on segments.
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 

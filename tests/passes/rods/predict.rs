@@ -1,4 +1,4 @@
-//! Strands that are reset, teleported, asleep, woken, or of violated constraints: how they go through a step, where
+//! Strands that are reset, teleported, sleeping, woken, or of violated constraints: how they go through a step, where
 //! their solver starts, and where it ends.
 
 use glam::{DQuat, DVec3};
@@ -56,7 +56,7 @@ enum Still {
     Sleeping,
 }
 
-/// What somebody did to a strand before the step.
+/// Change to a strand before the step.
 #[derive(Clone, Copy, PartialEq)]
 enum Start {
     Whole,
@@ -169,7 +169,7 @@ fn draw(hair: &mut Strands, s: usize, rng: &mut Pcg64, slower: f64) {
     }
     let l = hair.rest_length[segments.start];
     match case.start {
-        // What is placed is not as at rest, so that it is seen where.
+        // A placed strand starts out of its rest shape, which shows where it is placed.
         Start::Whole if case.goes != rods::State::Free => {
             points.skip(1).for_each(|i| hair.positions[i] += any(rng, 1e-3));
             segments.for_each(|k| hair.orientations[k] = DQuat::from_scaled_axis(any(rng, 0.1)) * hair.orientations[k]);
@@ -248,8 +248,8 @@ fn with_cases(n: usize, keys: &str, step: f64) -> (Fixture, Reference, Vec<DVec3
     (fixture, s, push)
 }
 
-/// Largest differences of each strand within a step: of moves and strains \[m\], and of frames and turns. What is
-/// placed is so on both.
+/// Largest differences of each strand within a step: of moves and strains \[m\], and of frames and turns. Points and
+/// segments that are placed are so on both.
 fn apart(fixture: &Fixture, s: &Reference, w: &Scratch) -> Vec<[f64; 2]> {
     let p = &fixture.parameters;
     let (points, segments) = fixture.rods();

@@ -72,7 +72,7 @@ fn rods_are_those_of_the_reference() {
             }
             motion(&mut initial.hair, speed, spin, n as u64);
             let fixture = Fixture::new(&scene, &initial);
-            // What the second step starts from has a history.
+            // The state that the second step starts from has a history.
             fixture.run(step::record);
             let (mut s, p) = (fixture.reference.clone(), &fixture.parameters);
             reference_step(&mut s, p).unwrap();

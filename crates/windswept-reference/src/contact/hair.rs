@@ -133,7 +133,7 @@ pub struct Contact {
     pub plane: bool,
 }
 
-/// What a contact keeps from step to step.
+/// Memory of a contact from step to step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Memory {
     /// Friction \[N\].
@@ -142,7 +142,7 @@ pub struct Memory {
     pub force: f64,
 }
 
-/// What contacts of points and then of segments keep, each with every body.
+/// Memories of contacts of points and then of segments, each with every body.
 #[must_use]
 pub fn memories(m: &rods::Moving) -> Vec<Memory> {
     let kept = |contact: &Contact| Memory { friction: contact.friction, force: contact.force.max(0.0) };

@@ -115,7 +115,7 @@ pub struct Solid {
     pub work: f64,
 }
 
-/// What the coarse pressure would change each body by, from the sites of a lattice that lie in it, and in no body
+/// Change that the coarse pressure would make to each body, from the sites of a lattice that lie in it, and in no body
 /// before it.
 #[must_use]
 pub fn coarse_solid(p: &Parameters, placed: &[Placed], pressure: &[f64]) -> Vec<Solid> {

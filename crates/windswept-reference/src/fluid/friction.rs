@@ -8,7 +8,7 @@ use crate::{Parameters, State, neighbours::Neighbours, sph_kernels::spiky_slope}
 /// swinging, whatever share of the friction is its own.
 pub const STIFFNESS: f64 = 0.25;
 
-/// What friction asks of a hair point.
+/// State of a hair point that friction needs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrictionPoint {
     /// Velocity at which the point would go through this step without friction, and the pull of its grip \[m/s\].
@@ -19,8 +19,8 @@ pub struct FrictionPoint {
     pub multiplier: f64,
 }
 
-/// What friction asks of hair point `i`. The constraint has moved the point by `correction` \[m\] in this step. What
-/// rod and gravity do to the point is taken from its last step awake.
+/// State of hair point `i` that friction needs. The constraint has moved the point by `correction` \[m\] in this step.
+/// The change by rod and gravity is that of the point's last step awake.
 #[must_use]
 pub fn slip(p: &Parameters, s: &State, i: usize, correction: DVec3, multiplier: f64) -> FrictionPoint {
     let ahead = s.velocity[i] + s.own[i] + correction / p.step;

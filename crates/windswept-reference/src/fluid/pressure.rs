@@ -56,7 +56,7 @@ const CROWD: f64 = 0.8;
 /// Impulse of a push over time: BDF2 hands on a third of each change, and 1 + 1/3 + 1/9 + … = 3/2.
 pub const LASTING: f64 = 1.5;
 
-/// What pressure leaves a particle for the next step.
+/// Memory of pressure that a particle has for the next step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Pressed {
     /// Change of the particle's velocity by pressure in the last step \[m/s\].
@@ -315,8 +315,8 @@ fn inverse(moment: DMat3) -> DMat3 {
     if inverse.x_axis.x + inverse.y_axis.y + inverse.z_axis.z > LARGEST_TRACE { DMat3::IDENTITY } else { inverse }
 }
 
-/// What a particle takes along from the last step: λ, and of air a third of what pressure changed its velocity by. At a
-/// surface pressure does not pull.
+/// Memory of the last step that a particle starts from: λ, and for air a third of the change of its velocity by
+/// pressure. At a surface pressure does not pull.
 #[must_use]
 pub fn start(p: &Parameters, i: usize, moments: &Moments, last: &Pressed) -> Pressed {
     Pressed {
@@ -375,9 +375,9 @@ pub fn relax(omega: f64, part: f64, rate: f64, moments: &Moments, lambda: f64) -
     if moments.density < THIN { increment.min(-lambda) } else { increment }
 }
 
-/// Relaxations ω of the iterations. What they leave of a divergence, Π (1 − ω μ) with μ an eigenvalue of a⁻¹ D Dᵀ, is
-/// between 0 and 1 up to μ = 4.5: λ starts from the step before, and an iteration that overshot would swing from step
-/// to step. So roots come in pairs, in the middle of 4.5/4 and 4.5, and an odd one stands at 4.5.
+/// Relaxations ω of the iterations. The part of a divergence that they leave, Π (1 − ω μ) with μ an eigenvalue of
+/// a⁻¹ D Dᵀ, is between 0 and 1 up to μ = 4.5: λ starts from the step before, and an iteration that overshot would
+/// swing from step to step. So roots come in pairs, in the middle of 4.5/4 and 4.5, and an odd one stands at 4.5.
 #[must_use]
 pub fn relaxations(iterations: u32) -> Vec<f64> {
     let middle = |from: f64, to: f64| 2.0 / (from + to);

@@ -8,7 +8,7 @@ use crate::{State, commit::FAST};
 pub(crate) const FAR: f64 = 1e3;
 /// Distance from the origin that no root has \[m\].
 const WORLD: f64 = 1e9;
-/// What the square of a frame's length is not off 1 by.
+/// Largest distance of the square of a frame's length from 1.
 const UNLIKE: f64 = 0.1;
 
 /// Resets strands before anything else looks at them: those that the step before left bad, and those that are invalid,

@@ -13,7 +13,7 @@ const SHORTEST: f64 = 1e-3;
 /// 1 + cosine of two directions that no smallest rotation joins.
 const OPPOSITE: f64 = 1e-4;
 
-/// Decides how a strand goes through the step: reset, teleported, asleep or integrated; and where its solver starts.
+/// Decides how a strand goes through the step: reset, teleported, sleeping or integrated; and where its solver starts.
 pub fn predict(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Drive, m: &mut Moving) {
     let sleeping = s.sleeping[strand];
     let tip = &mut m.points[s.hair.points(strand).end - 1];

@@ -49,7 +49,7 @@ struct Spring {
     force: DVec3,
 }
 
-/// What lies beyond a point or a joint, ½ sᵀ P s + sᵀ p (1, λ): s its turn and its move, λ a change of the force that
+/// Potential beyond a point or a joint, ½ sᵀ P s + sᵀ p (1, λ): s its turn and its move, λ a change of the force that
 /// holds a held tip.
 #[derive(Clone, Copy)]
 struct Beyond {
@@ -62,7 +62,7 @@ struct Beyond {
 struct Answer {
     constant: Matrix6x4<f64>,
     gain: Matrix6<f64>,
-    /// What lies beyond the joint, at the segment's first point.
+    /// Potential beyond the joint, at the segment's first point.
     beyond: Beyond,
     stretch: Spring,
 }
@@ -406,8 +406,8 @@ impl Rod<'_> {
         self.chain();
     }
 
-    /// A strand that nothing holds and that touches nothing keeps its momentum. What is left of the way to a held tip
-    /// is spread over the points.
+    /// A strand that nothing holds and that touches nothing keeps its momentum. The rest of the way to a held tip is
+    /// spread over the points.
     fn finish(&mut self, touches: bool) {
         let last = self.points.len() - 1;
         let (root, tip) = (self.points[0].inverse_mass, self.points[last].inverse_mass);

@@ -9,8 +9,8 @@ use super::{
 };
 use crate::{Parameters, forcing::FAR, state, step::Scratch};
 
-/// Finds how strand `strand` is after its solve. One that is lost is held where it was for this step, so that it spoils
-/// no neighbour.
+/// Finds how strand `strand` is after its solve. A lost strand is held where it was for this step, so that it makes no
+/// neighbour invalid.
 pub fn update(p: &Parameters, s: &mut state::State, strand: usize, w: &mut Scratch) {
     let m = &mut w.moving;
     let Some(stretch) = measure(&s.hair, strand, m) else {
@@ -62,7 +62,7 @@ fn hold(hair: &Strands, s: usize, m: &mut Moving) {
     }
 }
 
-/// Whether a strand was where it became still when the step began; with `particles`, whose pushes nothing remembers, it
+/// Whether a strand was where it came to rest when the step began; with `particles`, whose pushes nothing remembers, it
 /// must not be pushed either.
 #[must_use]
 pub fn rests(p: &Parameters, hair: &Strands, s: usize, m: &Moving) -> bool {
@@ -76,8 +76,8 @@ pub fn rests(p: &Parameters, hair: &Strands, s: usize, m: &Moving) -> bool {
         && m.segments[hair.segments(s)].iter().all(|segment| segment.rest_drift.length() <= STILL_TURN)
 }
 
-/// Takes what acts from outside on a strand that was still for so many `steps` as a mean over the last of them, about
-/// [`RESTING_STEPS`]: the strand trembles, and so does its drag.
+/// Takes the change by outside forces on a strand that rested for so many `steps` as a mean over the last of them,
+/// about [`RESTING_STEPS`]: the strand trembles, and so does its drag.
 pub fn remember(hair: &Strands, s: usize, m: &mut Moving, steps: u32) {
     for point in &mut m.points[hair.points(s)] {
         point.external_dv -= (1.0 - 1.0 / f64::from(steps.min(RESTING_STEPS))) * point.impulse_change;

@@ -111,7 +111,7 @@ pub struct Point {
     pub tip_displacement: DVec3,
     /// Shift of the point that makes its strand whole as the step begins \[m\].
     pub shift: DVec3,
-    /// Way from where the point was when its strand became still \[m\].
+    /// Way from where the point was when its strand came to rest \[m\].
     pub rest_drift: DVec3,
 }
 
@@ -160,7 +160,7 @@ pub struct Segment {
     pub stretch: DVec3,
     /// Multiplier λ of the joint before the segment in Gauss-Seidel, in the frame before.
     pub bend: DVec3,
-    /// Turn since the strand became still \[rad\].
+    /// Turn since the strand came to rest \[rad\].
     pub rest_drift: DVec3,
 }
 

@@ -82,8 +82,8 @@ pub fn window(t: f64) -> f64 {
 /// Intervals by which the transform of a window is summed, on each side of its middle.
 const INTERVALS: i32 = 256;
 
-/// What the window leaves of a wave of wave number k, in radians per node spacing: its Fourier transform, by Simpson's
-/// rule.
+/// Part of a wave of wave number k, in radians per node spacing, that the window leaves: the window's Fourier
+/// transform, by Simpson's rule.
 fn kept(k: f64) -> f64 {
     // Pieces of the polynomial end at ends of intervals.
     let step = 2.0 / f64::from(INTERVALS);
@@ -124,7 +124,7 @@ pub fn smooth(p: &Parameters, scale: f64, mesh: &Mesh) -> Mesh {
     Mesh { nodes: mesh.nodes, values: values.map(|(smoothed, curved)| curved.truncate().extend(smoothed.w)).collect() }
 }
 
-/// What was deposited after smoothing along the first `axes` axes, and its second derivatives along them, summed.
+/// The deposited values after smoothing along the first `axes` axes, and their second derivatives along them, summed.
 ///
 /// The factors of a wave along an axis are those of the least-squares fit in `response`.
 #[must_use]

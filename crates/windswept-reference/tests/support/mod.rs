@@ -1,4 +1,4 @@
-//! What the tests share: the paper's air, lattices, chance, and a rod of its own making.
+//! Code that the tests share: the paper's air, lattices, random numbers, and a rod of its own making.
 #![allow(dead_code, unreachable_pub, clippy::unwrap_used, missing_docs)]
 
 use std::f64::consts::PI;

@@ -72,7 +72,7 @@ struct Dial {
 }
 
 impl Dial {
-    /// One that is not about bands.
+    /// A dial that is not about bands.
     fn new(name: impl Into<String>, key: String) -> Self {
         Self { name: name.into(), keys: vec![key], bands: (0, USUAL), strength: f64::NAN }
     }

@@ -109,7 +109,7 @@ pub(super) fn bodies(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     Ok([hit, longer, within, beyond, slips, resets].into_iter().filter(|sweep| !sweep.samples.is_empty()).collect())
 }
 
-/// What a body did to hair.
+/// Effect of a body on hair.
 struct Hit {
     /// Largest stretch.
     hit: f64,

@@ -83,8 +83,7 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     Ok(all.into())
 }
 
-/// What happens to strands of which every second point is so much lighter, and the change of momentum where nothing is
-/// held.
+/// Run of strands of which every second point is so much lighter, and the change of momentum where nothing is held.
 fn run(gpu: &Gpu, keys: &[&[&str]], lighter: f64) -> Result<(Felt, Option<f64>), Error> {
     let scene = scene(TUFT, keys)?;
     let mut initial = InitialState::new(&scene)?;
