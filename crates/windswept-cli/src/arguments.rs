@@ -422,7 +422,7 @@ fn scale(word: &str) -> Result<f64, String> {
     word.parse().ok().filter(|scale: &f64| scale.is_finite() && *scale > 0.0).ok_or_else(expected)
 }
 
-/// What is said of Alembic, which Blender makes of a film.
+/// Help text about Alembic, which Blender makes of a film.
 const OF_ALEMBIC: &str = "\
 windswept writes no Alembic, but Blender makes it of USD, without a window: export --format usdc, and then run
 

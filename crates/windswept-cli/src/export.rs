@@ -40,7 +40,7 @@ pub(crate) fn export(options: &ExportOptions, console: &mut Console<'_>) -> Resu
         None => hair.frame(k),
     };
     let rate = outline.time.frame_rate;
-    // What was refused until here was bad input; now it is a failure.
+    // Errors until here are bad input; errors from here on are failures of the run.
     let failed = |error: windswept_export::ExportError| Failure::Run(error.to_string());
     match (options.format, converter) {
         (FilmFormat::Npz, _) => write_npz(&path, frames, frame, &provenance).map_err(failed)?,

@@ -31,7 +31,7 @@ impl Failure {
         }
     }
 
-    /// What is told: a line, or on a terminal several; no control character of what is the user's is in it.
+    /// The message: a line, or on a terminal several. Control characters of the user's text are spelled.
     pub(crate) fn render(&self, terminal: bool) -> String {
         match self {
             Self::Scene(error) if terminal => drawn(error),
@@ -129,7 +129,7 @@ fn drawn(error: &SceneError) -> String {
     if let Some((line, before, fault)) = error.span().and_then(|span| underlined(error.source_text(), &span)) {
         // A tab stays one, so that the mark stands under the fault however wide it is shown.
         let indent: String = before.chars().map(|c| if c == '\t' { '\t' } else { ' ' }).collect();
-        // What would move the cursor takes a place of its own, as it did.
+        // A control character is replaced by one visible character, so that the mark stays under the fault.
         let shown = |c: char| if c.is_control() && c != '\t' { char::REPLACEMENT_CHARACTER } else { c };
         let line: String = line.chars().map(shown).collect();
         let mark = "^".repeat(fault.chars().count().max(1));

@@ -34,7 +34,7 @@ fn load(file: &Path, points_per_strand: Option<u32>) -> Result<Curves, Failure> 
     })
 }
 
-/// What a groom file holds, line by line.
+/// Content of a groom file, line by line.
 fn summary(curves: &Curves) -> Vec<(&'static str, String)> {
     let range = |of: &mut dyn Iterator<Item = f64>| {
         of.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| [low.min(x), high.max(x)])

@@ -181,7 +181,7 @@ pub(crate) fn plan(options: &SceneOptions, buffers: bool, console: &mut Console<
 /// Number of buffers that are named as the largest.
 const LARGEST: usize = 5;
 
-/// What a substep moves, by the model of [`windswept::PlanRow::bytes`], and what memory the scene takes.
+/// Prints the memory traffic of a substep, by the model of [`windswept::PlanRow::bytes`], and the memory of the scene.
 fn print_totals(rows: &[windswept::PlanRow], mut buffers: Vec<windswept::BufferRow>, console: &mut Console<'_>) {
     let (runs, traffic) = (rows.iter().map(|row| row.runs).sum::<u32>(), rows.iter().map(|row| row.bytes).sum());
     console.print(format_args!(

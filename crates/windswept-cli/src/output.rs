@@ -13,8 +13,8 @@ use windswept_scene::{AtomicFile, Scene};
 use crate::arguments::RunOptions;
 use crate::failure::Failure;
 
-/// What the name of the folder begins with in which `windswept export` makes a film.usdc; it is gone with the command,
-/// unless that was killed.
+/// Prefix of the name of the folder in which `windswept export` makes a film.usdc. The command removes the folder at
+/// its end, unless it is killed.
 pub(crate) const WORKSHOP: &str = ".windswept-usdc-";
 
 /// A folder that may be written to; nothing is touched before [`Output::create`].

@@ -28,7 +28,7 @@ impl Progress {
             let bar = ProgressBar::with_draw_target(Some(all), ProgressDrawTarget::stderr());
             // A template that does not parse leaves the default bar.
             bar.set_style(ProgressStyle::with_template(&style).unwrap_or_else(|_| ProgressStyle::default_bar()));
-            // What was done before says nothing of the speed.
+            // The part that was done before is not counted in the speed.
             bar.set_position(from);
             bar.reset_eta();
             bar
@@ -69,7 +69,7 @@ mod tests {
 
     use super::*;
 
-    /// What goes on in its middle is as fast as it is, and not as if all before had been done since.
+    /// The speed of a run that goes on from its middle does not count the steps that were done before.
     #[test]
     fn what_was_done_before_does_not_count() {
         let lines = Progress::new("steps", 1000, 1100, false);

@@ -45,7 +45,7 @@ fn film(run: &FinishedRun, output: &Output, options: &RenderOptions, console: &m
                 return Ok(());
             }
             let frame = run.frame(k)?;
-            // What was refused at the start was bad input; now it is a failure.
+            // Errors at the start are bad input; an error here is a failure of the run.
             pictures.add(k as u64, &frame).map_err(|e| Failure::Run(e.to_string()))?;
             progress.show(pictures.made(), frame.time, console);
         }
@@ -188,11 +188,11 @@ impl FinishedRun {
     }
 }
 
-/// What writes scene.toml, and what writes hair.vtkhdf.
+/// Hints that name the writers of scene.toml and hair.vtkhdf.
 pub(crate) const OF_SCENE: &str = "`windswept run` writes it";
 pub(crate) const OF_HAIR: &str = "a run with `--formats vtkhdf` writes it";
 
-/// Refuses what is no folder.
+/// Refuses a path that is no folder.
 pub(crate) fn check_folder(dir: &Path) -> Result<(), Failure> {
     if dir.is_dir() {
         return Ok(());
@@ -209,7 +209,7 @@ pub(crate) fn there(path: PathBuf, comes_from: &str) -> Result<PathBuf, Failure>
 }
 
 pub(crate) fn open(path: &Path, kind: Kind) -> Result<VtkHdfReader, Failure> {
-    // What cannot be read is bad input: nothing has been written.
+    // A film that cannot be read is bad input: nothing has been written.
     let reader = VtkHdfReader::open(path).map_err(|e| Failure::Input(e.to_string()))?;
     if reader.kind() != kind {
         return Err(Failure::Input(format!("{}: expected {kind:?}, found {:?}", path.display(), reader.kind())));

@@ -105,7 +105,7 @@ fn start(options: &RunOptions, path: &Path, out: &Path, console: &mut Console<'_
 fn go_on(options: &RunOptions, dir: &Path, console: &mut Console<'_>) -> Result<Begun, Failure> {
     let output = Output::go_on(options, dir)?;
     let path = output.checkpoint();
-    // What is no file, as a pipe, may never end.
+    // A path that is no file, as a pipe, may never end.
     if !path.is_file() {
         let words = if path.exists() {
             "is no file: expected the checkpoint of a run with --checkpoint-every"
@@ -116,7 +116,7 @@ fn go_on(options: &RunOptions, dir: &Path, console: &mut Console<'_>) -> Result<
     }
     let _lock = Folder(dir).lock()?;
     output.remove_parts()?;
-    // What cannot be read is bad input: nothing was written.
+    // A checkpoint that cannot be read is bad input: nothing was written.
     let refused = |error: CheckpointError| match error {
         CheckpointError::Start { error, .. } => error.into(),
         CheckpointError::Gpu(error) => error.into(),
@@ -204,7 +204,7 @@ fn room(schedule: &Schedule) -> usize {
     usize::try_from(schedule.frames()).unwrap_or(usize::MAX)
 }
 
-/// What a run keeps in its checkpoint beside the simulation.
+/// Data of a run in its checkpoint beside the simulation.
 #[derive(Debug, Serialize, Deserialize)]
 struct Notes {
     /// `--steps`, if it was given.
@@ -311,11 +311,11 @@ impl Filmed {
 
     /// Writes the state as the next frame.
     fn record(&mut self, console: &mut Console<'_>) -> Result<(), Failure> {
-        // What is written into a folder that was removed is lost, and no write says so.
+        // Files that are written into a removed folder are lost, and no write reports it.
         if let Some(dir) = self.checkpoint.parent().filter(|dir| !dir.is_dir()) {
             return Err(Failure::Run(format!("{}: the folder was removed, and the run ends", dir.display())));
         }
-        // What was refused at the start was bad input; now it is a failure.
+        // Errors at the start are bad input; an error here is a failure of the run.
         let losses = self.recording.append(&mut self.simulation).map_err(|e| Failure::Run(e.to_string()))?;
         for loss in losses {
             if self.recording.is_empty() && self.notes.every.is_none() {
@@ -386,7 +386,7 @@ mod tests {
 
     use super::{finite, not_finite};
 
-    /// What serde writes for a NaN is found and named, however deep.
+    /// The value that serde writes for a NaN is found and named, however deep.
     #[test]
     fn a_number_that_is_not_finite_is_named() {
         let report = json!({ "steps": 3, "momentum": [0.0, f64::NAN, 0.0], "passes": [{ "ms": 1.0 }] });

@@ -37,8 +37,8 @@ pub(crate) fn spectrum(options: &SpectrumOptions, console: &mut Console<'_>) -> 
     let gpu = Gpu::new(&AdapterChoice::from_flag(options.adapter.as_deref()))?;
     console.note(format_args!("running on {}", gpu.info()));
     let (first, last) = (run.air.frame(0)?, run.air.frame(run.air.times().len() - 1)?);
-    // Those that somebody asked for are measured as the scene measures its bands; the ladder up to the box by the grid,
-    // as a direct sum would take minutes.
+    // Scales of the options are measured as the scene measures its bands; the ladder up to the box by the grid, as a
+    // direct sum would take minutes.
     let bands = &run.scene.turbulence.bands;
     let filter = |scale: f64| match options.scales.is_some() || bands.iter().any(|band| band.scale == scale) {
         true => Filter::of(&run.scene.turbulence),

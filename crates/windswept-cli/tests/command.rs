@@ -147,7 +147,7 @@ fn control_characters_of_paths_are_spelled() {
     }
 }
 
-/// What is asked for and cannot be had ends with status 2 and a word why, before anything is written.
+/// Invalid arguments end the command with status 2 and the reason, before anything is written.
 #[test]
 fn bad_arguments_write_nothing() {
     for (more, word) in [
@@ -317,7 +317,7 @@ fn a_closed_pipe_is_no_defect() {
     }
 }
 
-/// What a scene calls itself cannot move the cursor of who looks at it.
+/// Control characters in a scene's title and names are spelled, so that they cannot move the terminal's cursor.
 #[test]
 fn control_characters_are_spelled() {
     let folder = folder();

@@ -180,7 +180,7 @@ fn a_film_costs_nothing_beside_it() {
     }
 }
 
-/// What cannot be exported is refused, with the reason, and nothing is written.
+/// A run that cannot be exported is refused, with the reason, and nothing is written.
 #[test]
 fn what_cannot_be_exported_is_refused() {
     let folder = folder();

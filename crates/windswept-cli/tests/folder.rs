@@ -183,8 +183,8 @@ fn halves_that_a_kill_left_are_removed() {
     assert_eq!((listing(&out.join("frames")), listing(&out).len()), (vec!["notes.part".to_owned()], 3));
 }
 
-/// What a link in a run's folder leads to is somebody else's: a run that goes on replaces a link in the place of what
-/// it writes anew, and is refused where a film would grow at the end of one.
+/// The target of a link in a run's folder belongs to somebody else: a run that goes on replaces a link in the place of
+/// a file that it writes anew, and is refused where a film would grow at the end of a link.
 #[test]
 fn a_run_that_goes_on_writes_through_no_link() {
     let folder = folder();
@@ -211,7 +211,7 @@ fn a_run_that_goes_on_writes_through_no_link() {
     assert!(["checkpoint.windswept", "preview.gif"].iter().all(|name| !out.join(name).is_symlink()));
 }
 
-/// Whoever wants to read a run that is under way hears that it is.
+/// A command that reads a run under way is told that the run is under way.
 #[test]
 fn a_run_under_way_is_not_read() {
     let folder = folder();
@@ -273,7 +273,7 @@ fn two_runs_do_not_share_a_folder() {
     let next = run(folder.path(), &["--steps", "1", "--formats", "none", "--overwrite"]);
     assert_eq!(next.status.code(), Some(0), "{next:?}");
     assert_eq!(listing(&out), ["report.json", "scene.toml"]);
-    // What a kill left of a run that had written nothing does not make a folder full.
+    // A lock file that a killed run left without other files does not make a folder full.
     fs::remove_dir_all(&out).expect("it is ours");
     fs::create_dir(&out).expect("a folder");
     fs::write(out.join(LOCK), "").expect("a file");

@@ -57,7 +57,7 @@ fn a_groom_file_is_described() {
     ] {
         assert!(out.lines().any(|line| line == row), "{out}");
     }
-    // What is asked for is named as it is typed.
+    // The missing option is named as it is typed.
     let bare = STRANDS.replace("element strand 3\nproperty ushort nsegs\n", "").replace("9 9 9\n2\n2\n1\n", "9 9 9\n");
     fs::write(folder.path().join("bare.ply"), bare).expect("a groom file");
     let (status, _, err) = done(folder.path(), &["groom", "info", "bare.ply"]);
@@ -109,7 +109,7 @@ fn a_groom_file_becomes_another() {
     assert_eq!(listing(folder.path()), ["back.npz", "three.ply", "two.data", "two.hair", "two.npz", "two.ply"]);
 }
 
-/// What a groom file says of its strands is described, and what another format has no room for is warned of.
+/// Ids, groups and guides of a groom file are described; a warning names those that another format has no room for.
 #[test]
 fn ids_groups_and_guides_are_said() {
     let folder = folder();

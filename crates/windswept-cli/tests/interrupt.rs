@@ -41,7 +41,7 @@ fn two_signals_at_once_are_one() {
     assert!(listing(&folder.path().join("out")).contains(&"report.json".to_owned()), "{output:?}");
 }
 
-/// Who goes on to ask during a long step ends the process at once, and there is no report.
+/// Further signals during a long step end the process at once, and there is no report.
 #[test]
 fn a_later_signal_ends_the_process() {
     let folder = folder();

@@ -10,7 +10,7 @@ use std::path::Path;
 use serde_json::Value;
 use support::{folder, run, windswept};
 
-/// What the program prints and its status.
+/// Status of the program, its output and its errors.
 fn measure(folder: &Path, more: &[&str]) -> (Option<i32>, String, String) {
     let ran = windswept(folder, &["measure", "out"]).args(more).output().expect("the program starts");
     let text = |bytes: Vec<u8>| String::from_utf8_lossy(&bytes).into_owned();
@@ -49,7 +49,7 @@ fn a_run_is_measured() {
     assert!(table.contains("across (0.00, 1.00, 0.00)") && table.lines().count() == 14, "{table}");
 }
 
-/// What cannot be measured is bad input, and the file is named.
+/// A film that cannot be measured is bad input, and the file is named.
 #[test]
 fn a_measurement_says_what_it_lacks() {
     let folder = folder();

@@ -9,7 +9,7 @@ use std::path::Path;
 
 use support::{folder, listing, run, windswept};
 
-/// What the program says and its status.
+/// Status of the program and its messages.
 fn render(folder: &Path, more: &[&str]) -> (Option<i32>, String) {
     let mut command = windswept(folder, &["render", "out", "--adapter", "software"]);
     let ran = command.args(more).output().expect("the program starts");
@@ -132,7 +132,8 @@ fn pictures_alone() {
     assert_eq!(pictures(folder).len(), 2);
 }
 
-/// What cannot be rendered ends with status 2, names what is missing, and leaves the pictures that were there.
+/// A run that cannot be rendered ends the command with status 2 and the name of the missing part; pictures that were
+/// there stay.
 #[test]
 fn bad_requests_touch_nothing() {
     let folder = folder();

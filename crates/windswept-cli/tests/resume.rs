@@ -16,7 +16,7 @@ use support::{folder, listing, run, windswept};
 use windswept::{AdapterChoice, Checkpoint, Frame, Gpu};
 use windswept_export::VtkHdfReader;
 
-/// What a run writes that has films, pictures and a checkpoint.
+/// Files of a run with films, pictures and a checkpoint.
 const FILES: [&str; 10] = [
     "air.vtkhdf",
     "checkpoint.windswept",
@@ -39,7 +39,7 @@ const BANDS: [&str; 6] = [
     "png,usd,vtkhdf",
 ];
 
-/// What the command keeps in a checkpoint beside the simulation.
+/// Data of the command in a checkpoint beside the simulation.
 type Notes = (Option<u64>, Vec<String>, Option<u64>, Vec<(f64, [f64; 3])>);
 
 fn resume(folder: &Path, out: &str, more: &[&str]) -> Output {
@@ -272,7 +272,7 @@ fn a_refused_run_keeps_its_frames() {
     assert!(!out.join("frames/0002.png").exists());
 }
 
-/// What a run that goes on was asked for holds after a kill, however far its next checkpoint was.
+/// Options of a run that goes on hold after a kill, however far its next checkpoint was.
 #[test]
 fn a_kill_does_not_undo_what_was_asked_for() {
     let folder = folder();

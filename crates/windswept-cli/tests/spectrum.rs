@@ -10,7 +10,7 @@ use std::path::Path;
 use serde_json::Value;
 use support::{folder, listing, run, windswept};
 
-/// What the program prints and its status.
+/// Status of the program, its output and its errors.
 fn spectrum(folder: &Path, more: &[&str]) -> (Option<i32>, String, String) {
     let mut command = windswept(folder, &["spectrum", "out", "--adapter", "software"]);
     let ran = command.args(more).output().expect("the program starts");
@@ -32,7 +32,7 @@ fn a_spectrum_is_that_of_the_report() {
     assert_eq!((of_report(0, "scale"), of_report(1, "scale")), (0.009, 0.0065));
     assert!(of_report(0, "m2_per_s2_at_start") < 1e-10 && of_report(0, "m2_per_s2") > 1e-5, "{report}");
 
-    // What each band cost; the one without strength, nothing.
+    // Cost of each band; the band without strength has none.
     assert!(of_report(0, "ms") > 0.0 && report["band_energy"][1].get("ms").is_none(), "{report}");
 
     let (status, printed, said) = spectrum(folder, &["--scales", "0.009,0.0065", "--json"]);
@@ -49,7 +49,7 @@ fn a_spectrum_is_that_of_the_report() {
     let picture = fs::read_to_string(folder.join("out/spectrum.svg")).expect("a picture");
     assert!(picture.starts_with("<svg") && picture.contains("scale s [mm]") && picture.matches("<circle").count() >= 2);
 
-    // What confinement gave the air, frame by frame: the last is the run's.
+    // Impulse of confinement on the air, frame by frame: the last is the run's.
     let frames = report["frames"].as_array().expect("frames");
     assert_eq!(frames.len(), 7);
     assert_eq!(frames[6]["confinement_impulse_kg_m_per_s"], report["confinement_impulse_kg_m_per_s"]);

@@ -138,13 +138,13 @@ impl Archived {
         Self { file: BufWriter::new(file), refused: false, at: 0, end: 0 }
     }
 
-    /// What the file says, unless it has refused something already.
+    /// Answer of the file, unless it has refused something already.
     fn ask<T>(&mut self, ask: impl FnOnce(&mut BufWriter<File>) -> io::Result<T>, otherwise: T) -> io::Result<T> {
         if self.refused {
             return Ok(otherwise);
         }
         let answer = ask(&mut self.file);
-        // What is interrupted is asked again.
+        // An interrupted call is made again.
         self.refused = answer.as_ref().is_err_and(|error| error.kind() != ErrorKind::Interrupted);
         answer
     }

@@ -12,11 +12,11 @@ use crate::{ExportError, FORMATS};
 /// The file that is locked while somebody writes beside it. The one that a killed run leaves is not locked any more.
 pub const LOCK: &str = ".windswept.lock";
 
-/// What a run reports.
+/// The report of a run.
 pub const REPORT: &str = "report.json";
 /// The scene as it ran.
 pub const SCENE: &str = "scene.toml";
-/// What `--checkpoint-every` writes.
+/// The checkpoint that `--checkpoint-every` writes.
 pub const CHECKPOINT: &str = "checkpoint.windswept";
 /// Written by `windswept render` only.
 pub const SHEET: &str = "contact-sheet.png";
@@ -27,11 +27,11 @@ pub const FILMS: [&str; 3] = ["film.usda", "film.usdc", "film.npz"];
 /// [`crate::Format::files`], a stem of zeros stands for a file per frame.
 #[must_use]
 pub fn files_of_run() -> Vec<&'static str> {
-    // Those that say that a run is whole come first: they are the first to be removed.
+    // Files that mark a run as whole come first: they are the first to be removed.
     [REPORT, CHECKPOINT, SCENE].into_iter().chain(FORMATS.iter().flat_map(|format| format.files).copied()).collect()
 }
 
-/// Those names, and those of what is made of a run that is over.
+/// The names of [`files_of_run`], and those of files that are made of a run that is over.
 #[must_use]
 pub fn files_with_made() -> Vec<&'static str> {
     files_of_run().into_iter().chain([SHEET]).chain(FILMS).collect()
@@ -103,8 +103,8 @@ impl Folder<'_> {
         made.chain(self.found(&single)).collect()
     }
 
-    /// Removes the files of these names that a writer may remove, their halves, and the folders that this empties.
-    /// Whoever has the lock may do so.
+    /// Removes the files of these names that a writer may remove, their halves, and the folders that this empties. The
+    /// caller has the lock.
     ///
     /// # Errors
     /// [`ExportError::File`] with what the system says.
@@ -118,7 +118,7 @@ impl Folder<'_> {
         Ok(())
     }
 
-    /// Removes the halves of such files that a writer left as it was killed. Whoever has the lock may do so.
+    /// Removes the halves of such files that a writer left as it was killed. The caller has the lock.
     ///
     /// # Errors
     /// [`ExportError::File`] with what the system says.

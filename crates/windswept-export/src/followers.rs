@@ -50,7 +50,7 @@ pub struct Followers {
     guides: HairFrame,
     /// Index of the `[[hair]]` of each strand.
     hair: Vec<Option<usize>>,
-    /// What followers stay out of.
+    /// Bodies that followers stay out of.
     bodies: Vec<Body>,
 }
 
@@ -67,7 +67,7 @@ pub(crate) struct Strand<'a> {
     pub(crate) hair: Option<usize>,
 }
 
-/// What a picture asks of a follower.
+/// Origin of a follower, for a picture.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Origin {
     /// The strand whose room it grows in.

@@ -46,7 +46,7 @@ fn encoded(picture: &RgbaImage) -> Result<Vec<u8>, png::EncodingError> {
 /// Whether a file is a picture that [`write_png`] wrote.
 pub(crate) fn is_own_picture(path: &Path) -> bool {
     let [keyword, program] = MAKER;
-    // What is no file may never end.
+    // A path that is no file may never end.
     let is_file = path.symlink_metadata().is_ok_and(|found| found.is_file());
     let read = || png::Decoder::new(BufReader::new(File::open(path).ok()?)).read_info().ok();
     let reader = if is_file { read() } else { None };

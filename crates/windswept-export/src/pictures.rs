@@ -75,7 +75,7 @@ impl Pictures {
             fs::create_dir_all(&self.folder).map_err(|e| file_error(&self.folder, "could not be made", &e))?;
         }
         let path = self.path(k);
-        // What a link leads to is not the film's, and a device is no picture.
+        // The target of a link is not the film's, and a device is no picture.
         if path.symlink_metadata().is_ok_and(|found| !found.is_file()) {
             remove(&path).map_err(|e| file_error(&path, "could not be removed", &e))?;
         }

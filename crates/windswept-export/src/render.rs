@@ -189,7 +189,7 @@ impl Renderer {
             return Err(refused(format!("picture.air = \"{what}\", but the frame's air has no {what}")));
         }
         let point = |(&[x, y, z], value): (&[f32; 3], &f32)| [x, y, z, value / self.brightest];
-        // What would be invisible is left out.
+        // Invisible points are left out.
         Ok(frame.air.positions.iter().zip(values).map(point).filter(|p| p[3] > 0.02).collect())
     }
 }

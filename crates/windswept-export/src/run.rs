@@ -313,7 +313,7 @@ impl Recording {
         for (format, mut sink) in mem::take(&mut self.sinks) {
             match sink.append(frame) {
                 Err(error) if format.made_again => {
-                    // What it has until now stays; why there is no more is known already.
+                    // The file keeps its frames until now; the reason why there are no more is known already.
                     let _ = sink.finish();
                     self.losses.push(Loss { format, error });
                     continue;

@@ -27,8 +27,8 @@ pub trait FrameSink: Send {
         Ok(())
     }
 
-    /// Makes what was appended outlast the machine too, before a checkpoint behind it is written. What can be made
-    /// again need not.
+    /// Makes the appended frames outlast the machine too, before a checkpoint behind them is written. Files that can be
+    /// made again need not.
     ///
     /// # Errors
     /// [`ExportError`] if the disk refuses.
@@ -54,7 +54,7 @@ pub(crate) fn is_later(time: f64, last: f64) -> bool {
 pub struct Format {
     /// Name as it is typed: `windswept run --formats NAME`, `ws.Writer(formats=[NAME])`.
     pub name: &'static str,
-    /// What the format writes, as the help of `--formats` names it and the warning `no more {writes}`.
+    /// Output of the format, as the help of `--formats` and the warning `no more {writes}` name it.
     pub writes: &'static str,
     /// Names of its files within the run's folder. A stem of zeros, as in `frames/0000.png`, stands for a file per
     /// frame.

@@ -1,4 +1,4 @@
-//! What must hold of a frame's strands before anything is made of them.
+//! Checks of a frame's strands before anything is made of them.
 
 use windswept::HairFrame;
 

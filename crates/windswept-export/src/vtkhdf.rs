@@ -28,7 +28,7 @@
 //! /windswept                     version, adapter, seed; scene: its text as run
 //! ```
 //!
-//! Everything but `Values` has its final size before frame 0, and its place in the file. What describes the file
+//! Everything but `Values` has its final size before frame 0, and its place in the file. The file's description
 //! changes with a frame in two numbers only, `NSteps` and the length of `Values`, which are written at once, after the
 //! frame. So a killed run leaves a file that opens and shows the frames it finished. While a run goes on HDF5 locks its
 //! file; a copy can be opened.
@@ -330,7 +330,7 @@ impl Continuation {
         }
         drop(reader);
         let film = Self { path, kind, written, last_time, larger };
-        // What cannot be opened to write is found here.
+        // A file that cannot be opened to write is found here.
         film.open(film.larger.as_ref().map_or(&film.path, AtomicFile::part), frame)?;
         Ok(film)
     }
@@ -419,7 +419,7 @@ fn names_of_scalars(kind: Kind, frame: &Frame) -> Vec<&'static str> {
     scalars(kind, frame).into_iter().map(|(name, _)| name).collect()
 }
 
-/// What of such a frame stays through a film.
+/// Values of such a frame that stay constant through a film.
 fn still(kind: Kind, frame: &Frame) -> Vec<Still<'_>> {
     if kind == Kind::Air {
         return Vec::new();
@@ -444,7 +444,7 @@ fn still(kind: Kind, frame: &Frame) -> Vec<Still<'_>> {
     still
 }
 
-/// What a file of such frames holds.
+/// Contents of a file of such frames.
 fn contents<'a>(kind: Kind, frame: &Frame, scalars: &'a [&'static str], still: &'a [Still<'a>]) -> Contents<'a> {
     Contents { points: points(kind, frame), root_frames: root_frames(kind, frame), scalars, still }
 }

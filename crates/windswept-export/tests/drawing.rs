@@ -1,4 +1,4 @@
-//! What is in a picture, measured on the software adapter.
+//! Content of a picture, measured on the software adapter.
 
 #![allow(clippy::unwrap_used)] // a test may panic
 
@@ -239,7 +239,7 @@ fn air_shows_where_it_is_strong() {
     assert!(strong > 25, "{strong}");
 }
 
-/// What cannot be drawn is refused in words, not drawn wrongly.
+/// A frame that cannot be drawn is refused in words, not drawn wrongly.
 #[test]
 fn invalid_frames_are_refused() {
     let gpu = gpu();

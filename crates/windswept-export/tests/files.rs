@@ -13,7 +13,7 @@ use windswept_export::{Preview, Renderer, check_sheet, contact_sheet, image, wri
 
 use groom::{draw, gpu, scene, strands};
 
-/// What Pillow finds: format, width, height, loop, pictures, whole, shortest and longest duration [ms], mean error of
+/// Findings of Pillow: format, width, height, loop, pictures, whole, shortest and longest duration [ms], mean error of
 /// the last picture.
 fn look(folder: &Path, picture: &RgbaImage, last: &RgbaImage) -> (String, f64) {
     let rgb = |picture: &RgbaImage| picture.pixels().flat_map(|p| [p[0], p[1], p[2]]).collect::<Vec<u8>>();

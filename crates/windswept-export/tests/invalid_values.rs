@@ -47,7 +47,7 @@ fn frames_of_another_size_are_refused() {
     }
 }
 
-/// What cannot be laid out is refused before the file is touched.
+/// A frame that cannot be laid out is refused before the file is touched.
 #[test]
 fn senseless_layouts_are_refused() {
     let faults: [(Kind, usize, &str, Spoil); 8] = [

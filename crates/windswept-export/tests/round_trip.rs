@@ -1,4 +1,4 @@
-//! What was appended is what the file holds.
+//! The file holds the frames that were appended.
 
 #![cfg(feature = "vtkhdf")]
 #![allow(clippy::unwrap_used)] // a test may panic

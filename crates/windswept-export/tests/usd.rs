@@ -75,8 +75,8 @@ fn a_frame_that_was_begun_is_not_seen() {
     for part in [0.0, 0.3, 0.99, 1.0] {
         for ((name, before), after) in UsdWriter::FILES.iter().zip(&before).zip(&after) {
             let end = before.len() + (part * (after.len() - before.len()) as f64) as usize;
-            // What is at the end comes first; the stage's last time code, and the end of the samples before, come
-            // after.
+            // The bytes at the end are written first; the stage's last time code, and the end of the samples before,
+            // are written after.
             let begun = [before, &after[before.len()..end]].concat();
             std::fs::write(folder.path().join(name), begun).unwrap();
         }
@@ -87,7 +87,7 @@ fn a_frame_that_was_begun_is_not_seen() {
     }
 }
 
-/// What does not belong into a film, or to one that is to go on, is refused in words, and the film stays as it was.
+/// A frame that does not fit a film, or a film that is to go on, is refused in words, and the film stays as it was.
 #[test]
 fn invalid_frames_are_refused() {
     let folder = tempfile::tempdir().unwrap();

@@ -21,7 +21,7 @@ create_exception!(windswept, ExportError, PyRuntimeError, "A file or a picture t
 
 pub(crate) fn add(m: &Bound<'_, PyModule>) -> PyResult<()> {
     let py = m.py();
-    // One that a caller makes has them too.
+    // An error that a caller makes has these attributes too.
     for name in ["key", "line", "help"] {
         py.get_type::<SceneError>().setattr(name, py.None())?;
     }

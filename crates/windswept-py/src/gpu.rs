@@ -29,7 +29,7 @@ pub(crate) fn device_of(py: Python<'_>, choice: &AdapterChoice) -> PyResult<Gpu>
             return Ok(gpu.clone());
         }
         let gpu = Gpu::new(choice)?;
-        // What was asked for in other words may be an adapter whose device is there.
+        // A choice in other words may name an adapter whose device is there.
         let mut ours = devices.iter().filter(|((process, _), _)| *process == key.0).map(|(_, known)| known);
         let gpu = ours.find(|known| known.info() == gpu.info()).cloned().unwrap_or(gpu);
         devices.insert(key, gpu.clone());

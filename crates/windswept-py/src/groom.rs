@@ -241,7 +241,7 @@ impl Groom {
         PyArray1::from_iter(py, (0..self.inner.len()).map(|s| self.inner.is_guide(s)))
     }
 
-    /// What `pickle` makes a groom of again.
+    /// The groom of a pickle.
     #[staticmethod]
     fn _unpickled(py: Python<'_>, version: &str, bytes: Vec<u8>) -> PyResult<Self> {
         let refused = |what: String| of_value("the pickled groom", what);
@@ -271,7 +271,7 @@ impl Groom {
     }
 }
 
-/// What `__reduce__` returns: a function, and the version and the bytes that it is called with.
+/// Result of `__reduce__`: a function, and the version and the bytes that it is called with.
 type Reduced<'py> = (Bound<'py, PyAny>, (&'static str, Bound<'py, PyBytes>));
 
 /// Points and offsets, from either way to say them.

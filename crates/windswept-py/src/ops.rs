@@ -169,7 +169,7 @@ fn ops_solve_density<'py>(
     matrix(py, moved)
 }
 
-/// What is divided by before the engine sees it.
+/// Checks a divisor before the engine sees it.
 fn positive(name: &str, x: f64) -> PyResult<()> {
     if x.is_finite() && x > 0.0 { Ok(()) } else { Err(of_value(name, format!("expected a number above 0, found {x}"))) }
 }

@@ -230,7 +230,7 @@ impl Simulation {
         Followers::new(py, &followers, hair)
     }
 
-    /// The report of the run so far: the command's report.json as a dict. What was not measured is missing.
+    /// The report of the run so far: the command's report.json as a dict. Values that were not measured are missing.
     fn report<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         let report = self.run_engine(py, windswept::Simulation::report)?;
         let text = serde_json::to_string(&report).map_err(|e| of_value("report", e))?;
@@ -358,7 +358,7 @@ impl Simulation {
     ///     hair: `(points, 3)` [m/s²]; None: hair is not pushed.
     ///     air: `(n, 3)` [m/s²], in the order of `sim.air.positions`; None: air is not pushed.
     ///     callback: called with the frame as it is before each step, in place of arrays; it returns the array of hair, or a tuple
-    ///         (hair, air) in which either may be None. What it raises ends the stepping there.
+    ///         (hair, air) in which either may be None. An exception of it ends the stepping there.
     ///
     /// Raises:
     ///     ValueError: names the argument that has not a row for each point or particle, or numbers beyond 1e18.
@@ -391,7 +391,7 @@ impl Simulation {
     fn __traverse__(&self, visit: PyVisit<'_>) -> Result<(), PyTraverseError> {
         match self.force.try_lock() {
             Ok(force) => visit.call(&*force),
-            // Who holds it keeps it alive.
+            // The holder of the lock keeps the force alive.
             Err(_) => Ok(()),
         }
     }
@@ -507,7 +507,7 @@ impl Simulation {
         Self::go_on(py, opened, adapter)
     }
 
-    /// What `pickle` makes a simulation of again.
+    /// The simulation of a pickle.
     #[staticmethod]
     fn _unpickled(py: Python<'_>, bytes: Vec<u8>) -> PyResult<Self> {
         let read = without_gil(py, || Checkpoint::from_bytes(&bytes, "the pickled simulation"))?;

@@ -9,7 +9,7 @@ use crate::errors::of_value;
 /// Emits a `UserWarning` for each of the notes.
 ///
 /// # Errors
-/// What a filter makes of a warning where it is to be an error.
+/// The exception that a filter makes of a warning where it is to be an error.
 pub(crate) fn warn(py: Python<'_>, notes: impl IntoIterator<Item = String>) -> PyResult<()> {
     let user = py.get_type::<PyUserWarning>();
     for note in notes {

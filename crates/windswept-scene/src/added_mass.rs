@@ -16,7 +16,7 @@ const LIGHTEST: f64 = 0.1;
 
 impl Strands {
     /// Lets hair that the model `particles` puts into one fluid with air move with at least a tenth of the mass of the
-    /// air whose room it takes. What it carries of that air has no weight, and no part in a force that a caller sets.
+    /// air whose room it takes. The carried air has no weight, and no part in a force that a caller sets.
     /// Does nothing with any other model, nor to hair that carries it already. Returns a warning for each group of
     /// strands that carries more than before.
     ///

@@ -43,7 +43,7 @@ impl Scene {
     }
 }
 
-/// Fills the box: a simple cubic lattice with the hair's own parcels and the bodies left out, and a volume that makes
+/// Fills the box: a simple cubic lattice with the volumes of hair points and bodies left out, and a volume that makes
 /// the mean density of what bodies leave of the box exact once all hair streams in it: strands that hang out of it at
 /// the start are blown in.
 ///

@@ -17,13 +17,14 @@ pub struct AtomicFile {
 }
 
 impl AtomicFile {
-    /// What is behind the name of a file until it is whole.
+    /// Suffix of a file's name until the file is whole.
     pub const PART: &str = ".part";
 
     /// A file for this place. The part that an earlier one left, as it was killed, is removed.
     ///
     /// # Errors
-    /// What the system says if that part cannot be removed; where there is something else than a file or a link, as a device, that it is none.
+    /// The system's error if that part cannot be removed. Where there is something else than a file or a link, as a
+    /// device: that it is none.
     pub fn new(place: impl AsRef<Path>) -> io::Result<Self> {
         let place = place.as_ref().to_path_buf();
         check_replaceable(&place)?;
@@ -43,7 +44,7 @@ impl AtomicFile {
     /// Makes the part, empty.
     ///
     /// # Errors
-    /// What the system says, also where somebody has put something there meanwhile.
+    /// The system's error, also where somebody has put something there meanwhile.
     pub fn create(&self) -> io::Result<File> {
         File::create_new(&self.part)
     }
@@ -51,16 +52,16 @@ impl AtomicFile {
     /// Moves the part, which is whole and closed, to its place.
     ///
     /// # Errors
-    /// What the system says; the place is as it was then.
+    /// The system's error; the place is as it was then.
     pub fn finish(self) -> io::Result<()> {
         fs::rename(&self.part, &self.place)
     }
 
-    /// Writes a file of these bytes, at the end of a link where `path` is one, and hands it to the disk. What is there
-    /// and is no file, as a pipe, takes the bytes as they come.
+    /// Writes a file of these bytes, at the end of a link where `path` is one, and hands it to the disk. A path
+    /// that is no file, as a pipe, takes the bytes as they come.
     ///
     /// # Errors
-    /// What the system says; a file that was there is as it was then.
+    /// The system's error; a file that was there is as it was then.
     pub fn write(path: impl AsRef<Path>, bytes: &[u8]) -> io::Result<()> {
         let path = path.as_ref();
         if fs::metadata(path).is_ok_and(|found| !found.is_file()) {
@@ -88,7 +89,7 @@ fn check_replaceable(place: &Path) -> io::Result<()> {
 /// Removes a file or a link, if it is there.
 ///
 /// # Errors
-/// What the system says; where there is something else, as a device, that it is no file.
+/// The system's error; where there is something else, as a device: that it is no file.
 pub fn remove(path: impl AsRef<Path>) -> io::Result<()> {
     check_replaceable(path.as_ref())?;
     match fs::remove_file(path) {
@@ -141,7 +142,7 @@ mod tests {
         assert!(AtomicFile::write(folder.path(), b"no file").is_err());
     }
 
-    /// What is no file, as a socket or a device, is neither replaced nor removed.
+    /// A socket or a device, which is no file, is neither replaced nor removed.
     #[test]
     fn what_is_no_file_stays() {
         let folder = tempfile::tempdir().unwrap();

@@ -19,9 +19,9 @@ pub struct Counts {
 }
 
 impl Scene {
-    /// What the scene starts with at least, with the strands of `groom` in place of its own where there are such.
+    /// Least numbers that the scene starts with, with the strands of `groom` in place of its own where there are such.
     ///
-    /// Strands of groom files are not among it, as the files are not read. Nor is air where hair or bodies take room
+    /// Strands of groom files are not counted, as the files are not read. Nor is air where hair or bodies take room
     /// from it, or where its box is cut to the hair.
     #[must_use]
     pub fn counts(&self, groom: Option<&Groom>) -> Counts {

@@ -28,9 +28,9 @@ use crate::{
 /// Curves of a groom file, in the units and axes of the file.
 ///
 /// Offsets rise from 0 to the number of points; there is an id for each strand, a radius for each point or none, and a
-/// group, a place of the root and a mark for each strand or none. What is read from a file is so; what is made in code
-/// is checked where it is written or becomes strands, and what does not belong together panics elsewhere, as an index
-/// that is too large does.
+/// group, a place of the root and a mark for each strand or none. Curves that are read from a file are so; curves that
+/// are made in code are checked where they are written or become strands. Elsewhere arrays that do not belong together
+/// panic, as an index that is too large does.
 ///
 /// ```no_run
 /// use windswept_scene::Curves;
@@ -69,11 +69,11 @@ type Write = fn(&Curves) -> Result<Vec<u8>, SceneError>;
 pub struct GroomFormat {
     /// Ending of the files' names, without the dot.
     pub extension: &'static str,
-    /// What the format is, for people.
+    /// Description of the format, for people.
     pub what: &'static str,
     read: Read,
     write: Option<Write>,
-    /// What a written file has beside points, by the names of [`Curves::arrays`].
+    /// Arrays of a written file beside points, by the names of [`Curves::arrays`].
     holds: &'static [&'static str],
 }
 
@@ -191,7 +191,7 @@ impl Curves {
     }
 
     /// Writes a groom file of the format that its name ends in; a file of this name is replaced once all is written.
-    /// What is returned says what the curves have and such a file does not.
+    /// The returned note names the data of the curves that such a file does not hold.
     ///
     /// # Errors
     /// [`SceneError`] where the format cannot hold the curves, and where the file cannot be written.
@@ -351,7 +351,7 @@ impl Curves {
 /// All bytes of a groom or mesh file.
 pub(crate) fn file_bytes(path: &Path) -> Result<Vec<u8>, SceneError> {
     let unread = |error: std::io::Error| SceneError::new(format!("cannot be read: {error}"));
-    // What is no file, a pipe or a device, may never end.
+    // A pipe or a device, which is no file, may never end.
     let metadata = fs::metadata(path).map_err(unread)?;
     if !metadata.is_file() {
         return Err(SceneError::new("expected a file"));

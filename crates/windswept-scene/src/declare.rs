@@ -34,17 +34,17 @@ use crate::{
     write::Writer,
 };
 
-/// What a declaration says of a field of type `T`.
+/// Declaration of a field of type `T`.
 pub(crate) struct Row<T> {
     /// Name of the key in its table; empty for a group of keys of the table itself.
     pub(crate) name: &'static str,
-    /// What the key takes.
+    /// Kind of value that the key takes.
     pub(crate) kind: Kind,
     /// Unit; empty for none.
     pub(crate) unit: &'static str,
     /// The field's documentation, as written.
     pub(crate) doc: &'static str,
-    /// What the field is when the file does not say.
+    /// Value of the field when the file does not say.
     pub(crate) default: Fallback<T>,
 }
 
@@ -63,20 +63,20 @@ impl<T> Row<T> {
 pub(crate) struct InvalidValue {
     /// Name of the key in its table.
     pub(crate) key: &'static str,
-    /// What was expected.
+    /// The expected value, for people.
     pub(crate) expected: String,
     /// The value, for people.
     pub(crate) found: String,
 }
 
-/// What a field of a table can be: a value, a table, a list of tables, or one of them that may be absent.
+/// A field of a table: a value, a table, a list of tables, or one of them that may be absent.
 pub(crate) trait Field: Sized {
     /// Appends the keys of the field, which is in the table at `path`, to `all`.
     fn list(row: Row<Self>, path: &str, all: &mut Vec<Key>);
-    /// What the table says, else the default; `None` where there is neither.
+    /// Value of the table, else the default; `None` where there is neither.
     ///
     /// # Errors
-    /// A key that is needed and missing; what does not go together.
+    /// A key that is needed and missing; values that do not go together.
     fn read(row: Row<Self>, reader: &Reader<'_>) -> Result<Option<Self>, SceneError>;
     /// Writes the field as the key of this name.
     fn write(&self, name: &'static str, writer: &mut Writer);
@@ -93,7 +93,7 @@ pub(crate) trait Keys: Sized {
     /// Reads the table.
     ///
     /// # Errors
-    /// A key that is needed and missing; what does not go together.
+    /// A key that is needed and missing; values that do not go together.
     fn read(reader: &Reader<'_>) -> Result<Self, SceneError>;
     /// Writes every key of the table.
     fn write(&self, writer: &mut Writer);
@@ -428,7 +428,7 @@ macro_rules! name {
     };
 }
 
-/// What a field is that has neither been said nor a default.
+/// Value of a field that the file does not say and that has no default.
 macro_rules! without {
     ($reader:ident, $field:ident) => {
         return Err($reader.fault(stringify!($field), "is missing"))

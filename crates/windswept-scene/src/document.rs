@@ -40,7 +40,7 @@ pub(crate) struct Entry {
 #[derive(Debug, Default)]
 pub(crate) struct Document {
     pub(crate) entries: BTreeMap<String, Entry>,
-    /// What a table that says its name is called, by its real path: `hair.1` is `hair.fringe`. A name counts once.
+    /// Named path of a table that says its name, by its real path: `hair.1` is `hair.fringe`. A name counts once.
     called: BTreeMap<String, String>,
     /// The names that count.
     taken: HashSet<String>,
@@ -190,8 +190,8 @@ fn datum(kind: Kind, value: &Value) -> Option<Datum> {
     }
 }
 
-/// The direction of a vector that is not zero. One that is a direction is left alone, so that writing a scene and
-/// reading it again gives the same.
+/// The direction of a vector that is not zero. A unit vector is left alone, so that writing a scene and reading it
+/// again gives the same.
 fn unit(v: [f64; 3]) -> [f64; 3] {
     let v = DVec3::from_array(v);
     if (v.length_squared() - 1.0).abs() < 4.0 * f64::EPSILON { v.to_array() } else { v.normalize().to_array() }

@@ -23,8 +23,8 @@ struct Fault {
     argument: bool,
 }
 
-/// The text with its control characters spelled, `\u{1b}`, as a terminal may show it; all others stay. What is spelled
-/// stays so if it is spelled again.
+/// The text with its control characters spelled, `\u{1b}`, as a terminal may show it; all others stay. A spelled
+/// text stays as it is if it is spelled again.
 #[must_use]
 pub fn spelled(text: &str) -> Cow<'_, str> {
     if !text.contains(char::is_control) {
@@ -80,7 +80,7 @@ impl SceneError {
         self.of(&format!("--set {assignment}"), assignment).with_span(Some(0..assignment.len()))
     }
 
-    /// What is wrong, and what was expected.
+    /// The fault, and the expected value.
     #[must_use]
     pub fn message(&self) -> &str {
         &self.0.message
@@ -92,7 +92,7 @@ impl SceneError {
         self.0.key.as_deref()
     }
 
-    /// What to do about it.
+    /// Advice against the fault.
     #[must_use]
     pub fn help(&self) -> Option<&str> {
         self.0.help.as_deref()

@@ -9,10 +9,10 @@ use crate::{
     scene::{Filter, Turbulence, rounded},
 };
 
-/// What a band's filter would have too much of.
+/// A quantity of which a band's filter would have too much.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Excess {
-    /// What it is, and how much of it.
+    /// The quantity, and its amount.
     pub what: String,
     /// The scale that would be expected in a box of the same size.
     pub expected: String,

@@ -54,7 +54,7 @@ pub struct Groom {
     /// Curvature at rest; `None`: the shape that the strands are given in, in which frames go from segment to segment
     /// by the smallest rotation, with the tip's frame.
     pub rest_curvature: Option<RestCurvature>,
-    /// What the shape that the strands are given in is, where there is no curvature at rest.
+    /// Meaning of the shape that the strands are given in, where there is no curvature at rest.
     pub rest: RestShape,
     /// Frame of the clamp (x, y, z, w); `None`: d3 along the first segment, d1 by the smallest rotation from +x, or
     /// from +z.

@@ -26,7 +26,7 @@ const LARGEST: f64 = 0.9;
 /// Rounds in which lengths, frames and masses, each of which follows from the others, are found. Strain is below 1e-2,
 /// and a round gains as many digits.
 const ROUNDS: usize = 8;
-/// What came of it.
+/// Result of [`Shape::hang`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Hung {
     /// The strand stays where it is.

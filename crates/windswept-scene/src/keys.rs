@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 
 use crate::{declare::Keys, scene::Scene};
 
-/// What a key takes.
+/// Kind of value that a key takes.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Kind {
     /// A string.
@@ -41,7 +41,7 @@ pub enum Kind {
     Tables,
 }
 
-/// What a key of type `T` is when the file does not say.
+/// Value of a key of type `T` when the file does not say.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fallback<T> {
     /// The file must say.
@@ -115,7 +115,7 @@ impl Key {
         }
     }
 
-    /// What was expected, for an error.
+    /// The expected value, for an error.
     #[must_use]
     pub fn expected(&self) -> String {
         self.kind.expected_in(self.unit)
@@ -134,7 +134,7 @@ impl Kind {
         }
     }
 
-    /// What was expected, for an error.
+    /// The expected value, for an error.
     #[must_use]
     pub fn expected(self) -> String {
         match self {
@@ -158,7 +158,7 @@ impl Kind {
         }
     }
 
-    /// What was expected, with its unit.
+    /// The expected value, with its unit.
     pub(crate) fn expected_in(self, unit: &str) -> String {
         let expected = self.expected();
         // A length says that it is in metres.

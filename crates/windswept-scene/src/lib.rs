@@ -1,4 +1,4 @@
-//! What the user says, in SI: scene file, groom, checks, initial state. No GPU.
+//! The user's input, in SI: scene file, groom, checks, initial state. No GPU.
 //!
 //! Data flows one way: text → [`Scene`] (every key checked, see [`keys`]) → [`InitialState`] (arrays).
 

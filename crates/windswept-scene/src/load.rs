@@ -113,7 +113,7 @@ impl Scene {
         assign::with_files(self.text(), relative).unwrap_or_else(|| self.text().to_owned())
     }
 
-    /// What messages call the group of strands of this index: `hair` where it is the only one and no name was given to
+    /// Name in messages of the group of strands of this index: `hair` where it is the only one and no name was given to
     /// it, else `hair.NAME`.
     #[must_use]
     pub fn called(&self, group: usize) -> String {
@@ -155,8 +155,7 @@ impl Scene {
     }
 }
 
-/// What a film says of its scene: what a scene file says of it by itself, without the groom and mesh files that it
-/// names.
+/// Scene of a film: the content of the scene file by itself, without the groom and mesh files that it names.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outline {
     /// Text of the file.

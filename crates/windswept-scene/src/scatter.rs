@@ -13,7 +13,7 @@ use crate::solid::Solid;
 const APART: f64 = 0.85;
 /// Roots in a row that lie too near to others before the distance is made less.
 const TRIES: u32 = 64;
-/// What the distance is multiplied by then.
+/// Factor on the distance then.
 const LESS: f64 = 0.95;
 
 /// A root, and how its strand starts.
@@ -70,8 +70,8 @@ impl<'a> Areas<'a> {
 
 /// As many roots as `count` on some triangles of a solid. Together the triangles have an area.
 ///
-/// Places are drawn evenly over the area. One that is nearer to another than a distance is drawn again; where none is
-/// found that is far enough from all, the distance is made less.
+/// Places are drawn evenly over the area. A place that is nearer to another than a distance is drawn again; where no
+/// place is far enough from all, the distance is made less.
 pub(crate) fn scatter(solid: &Solid, triangles: &[usize], count: u32, rng: &mut Pcg64) -> Vec<Seat> {
     let areas = Areas::new(solid, triangles);
     let cell = APART * (areas.total() / f64::from(count)).sqrt();

@@ -7,9 +7,9 @@ use crate::{
 
 /// Error that a strand may have while it is left alone, from each cause \[lengths of the strand\].
 const OFF: f64 = 5e-5;
-/// Least time for which a strand must be still before it falls asleep \[s\].
+/// Least time for which a strand must rest before it is put to sleep \[s\].
 const STILL: f64 = 0.07;
-/// Time for which a strand must be still that nothing brings back to where it was \[s\].
+/// Time for which a strand must rest where nothing brings it back to where it was \[s\].
 const NEVER: f64 = 1e6;
 /// Least way that a point may go while its strand is at rest \[lengths of the strand\]: f32 lets strands tremble by up
 /// to 1e-6, where nothing brakes them.

@@ -46,7 +46,7 @@ const ERROR_PLACES: u32 = 10_000;
 /// quasirandom sequences").
 const EVENLY: [f64; 2] = [0.754_877_666_246_693, 0.569_840_290_998_053];
 
-/// What the surface of a mesh file encloses, its holes covered, somewhere in the world.
+/// Volume that the surface of a mesh file encloses, its holes covered, somewhere in the world.
 ///
 /// Solids of one content share it, as long as one of them is there: loading a file again costs reading it, and no more
 /// memory.
@@ -60,7 +60,7 @@ pub struct Solid {
     origin: DVec3,
 }
 
-/// What a file says, in metres.
+/// Content of a file, in metres.
 struct Content {
     triangles: Triangles,
     /// Holes of the surface, which are covered, and the part of it that is cover.
@@ -84,7 +84,7 @@ impl fmt::Debug for Content {
     }
 }
 
-/// What decides about a content.
+/// Key of a content: the inputs that determine it.
 #[derive(Debug, Clone, PartialEq)]
 struct Print {
     /// Number of the file's bytes, and a number that others hardly have.
@@ -109,8 +109,8 @@ impl PartialEq for Solid {
 }
 
 impl Solid {
-    /// Reads a mesh file, and makes the grid of its distances. One that takes longer than 0.3 s to make is kept in the
-    /// folder that the environment variable `WINDSWEPT_CACHE` names, if it names one, and read from there the next
+    /// Reads a mesh file, and makes the grid of its distances. A grid that takes longer than 0.3 s to make is kept in
+    /// the folder that the environment variable `WINDSWEPT_CACHE` names, if it names one, and read from there the next
     /// time.
     ///
     /// # Errors
@@ -120,8 +120,8 @@ impl Solid {
         Self::load_beside(file, Path::new(""))
     }
 
-    /// What triangles in metres enclose, with a grid of this spacing \[m\], or of [`DistanceGrid::spacing_for`] them.
-    /// It has no file, so that a scene's text cannot say it.
+    /// Volume that triangles in metres enclose, with a grid of this spacing \[m\], or of
+    /// [`DistanceGrid::spacing_for`] them. It has no file, so that a scene's text cannot say it.
     ///
     /// # Errors
     /// As [`DistanceGrid::bake`].

@@ -46,7 +46,7 @@ impl Fibre {
     }
 }
 
-/// A parcel of air that a hair point stands in.
+/// The air particle that a hair point stands in.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct AirParticle {
     /// Volume of an air particle \[m³\].

@@ -38,7 +38,7 @@ pub struct Strands {
     /// Per point: its weight over that of the mass that it moves with, less than 1 where it carries air along
     /// ([`Self::add_air_mass`]); empty for 1 everywhere.
     pub weight: Vec<f64>,
-    /// Per point: volume of the parcel of hair and air around it \[m³\].
+    /// Per point: volume of the hair and air around it \[m³\].
     pub volume: Vec<f64>,
     /// Per segment: rotation from material frame to world; the third director is the tangent.
     pub orientations: Vec<DQuat>,
@@ -195,8 +195,7 @@ impl Strands {
         self.weight.get(i).copied().unwrap_or(1.0)
     }
 
-    /// What messages call the group that strand `s` is of: as [`Scene::called`], or `groom` where the scene has no
-    /// hair.
+    /// Name in messages of the group of strand `s`: as [`Scene::called`], or `groom` where the scene has no hair.
     pub(crate) fn origin(&self, s: usize, scene: &Scene) -> String {
         self.group_index(s, scene).map_or_else(|| "groom".to_owned(), |group| scene.called(group))
     }

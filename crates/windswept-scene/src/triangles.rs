@@ -22,7 +22,7 @@ use crate::{
 
 /// Triangles of a mesh file, in the units and axes of the file.
 ///
-/// What is read from a file has finite points and indices of points that there are; an index that is too large panics
+/// Triangles from a file have finite points and indices of points that exist; an index that is too large panics
 /// elsewhere.
 ///
 /// ```no_run
@@ -238,7 +238,7 @@ fn polygons(bytes: &[u8]) -> Result<Triangles, SceneError> {
     })
 }
 
-/// What belongs to the point of each corner, where there is something for each point.
+/// Value of the point of each corner, where there is a value for each point.
 fn of_corners<T: Copy>(corners: &[[u32; 3]], of_points: &[T]) -> Vec<[T; 3]> {
     let found = |corners: &[u32; 3]| corners.map(|index| of_points[index as usize]);
     if of_points.is_empty() { Vec::new() } else { corners.iter().map(found).collect() }

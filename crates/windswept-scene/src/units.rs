@@ -6,8 +6,8 @@ use std::ops::RangeInclusive;
 const UNITS: [(f64, &str); 5] =
     [(1.0, "metres"), (0.1, "decimetres"), (0.0254, "inches"), (0.01, "centimetres"), (0.001, "millimetres")];
 
-/// What something has that is `size` \[m\] with this scale, and would have with those of the units with which it is as
-/// large as is likely \[m\].
+/// Message with the size of a thing that is `size` \[m\] with this scale, and its sizes with the units with which it
+/// is as large as is likely \[m\].
 pub(crate) fn with_scale(size: f64, scale: f64, likely: &RangeInclusive<f64>) -> String {
     let others = UNITS.iter().map(|(other, unit)| (other, unit, size * other / scale));
     let others = others.filter(|(.., size)| likely.contains(size));

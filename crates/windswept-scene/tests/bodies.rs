@@ -147,7 +147,7 @@ fn air_leaves_bodies_out() {
         println!("{} particles, volume of bodies off by {off:.1e}", air.positions.len());
         // Measured at most 6e-4: counted on a lattice of d/6. Margin 3.
         assert!(off.abs() < 2e-3, "{off}");
-        // A particle has its parcel within what the lattice's surface sites make: measured 1.5 %, margin 2.
+        // The particle volume is off by no more than the lattice's surface sites make: measured 1.5 %, margin 2.
         let particle = scene.air.as_ref().unwrap().particle_volume();
         assert!((air.volume / particle - 1.0).abs() < 0.03, "{}", air.volume / particle);
     }

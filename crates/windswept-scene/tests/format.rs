@@ -270,7 +270,7 @@ fn a_scene_written_out_is_the_same_scene() {
         let scene = scene(LEAST, &[&format!("hair.roots.direction=[0.3, -1.0, 0.01{i}]")]);
         assert_eq!(Scene::parse(&scene.to_toml()).unwrap(), scene);
     }
-    // What differs is not equal.
+    // Scenes that differ are not equal.
     let mut other = scene(QUICK, &[]);
     let look_at = Some(LookAt { eye: [1.0; 3], target: [0.0; 3] });
     other.camera = Camera { look_at, width: 100, ..other.camera };

@@ -366,7 +366,7 @@ fn points_are_placed_evenly() {
     assert_eq!(even.radius, [4.0, 3.5, 3.0, 2.5, 2.0, 1.5, 1.0, 0.5, 0.0]);
 }
 
-/// What a file says of strands beside their shape comes back from the archive, and stays with its strand.
+/// Data of strands beside their shape comes back from the archive, and stays with its strand.
 #[test]
 fn groups_and_places_of_roots_come_back() {
     let folder = Folder::new();
@@ -695,7 +695,7 @@ fn compressed_arrays_are_not_unpacked_without_end() {
         let shown = said(&deflated([(name, kind, shape, zeros_of(zeros))]));
         assert!(shown.starts_with(&format!("{name}: ")) && shown.contains(words), "{shown}");
     }
-    // What is honest is read.
+    // An honest file is read.
     let honest = deflated([("points", "<f4", &[100, 10, 3][..], zeros_of(12_000))]);
     assert_eq!(npz.read(&honest, None).unwrap().len(), 100);
 }

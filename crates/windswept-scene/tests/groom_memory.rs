@@ -34,8 +34,8 @@ fn a_groom_file_takes_little_more_than_what_is_in_it() {
     what_a_small_file_stands_for_is_bounded();
 }
 
-/// What a file takes is itself and what becomes of it, 34 bytes a point here: 0.57 GB and a file of as much for 2^24
-/// points.
+/// A file takes the memory of itself and of the curves made of it, 34 bytes a point here: 0.57 GB and a file of as much
+/// for 2^24 points.
 fn compressed_arrays_are_in_memory_once() {
     let folder = Folder::new();
     let points = 1 << 20;

@@ -1,4 +1,4 @@
-//! What is said of a groom file that is no fault: what it leaves to others, and what another format cannot hold.
+//! Notes on a groom file that are no faults: data that it leaves to others, and data that another format cannot hold.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod common;
@@ -6,8 +6,8 @@ mod common;
 use common::Folder;
 use windswept_scene::{Curves, GroomFile, GroomFormat};
 
-/// What a format has no room for is said by the names that a `.npz` file has for it; what follows from the points is
-/// not.
+/// A note names the arrays that a format has no room for as a `.npz` file names them; arrays that follow from the
+/// points are not named.
 #[test]
 fn what_a_format_cannot_hold_is_said() {
     let folder = Folder::new();

@@ -273,7 +273,7 @@ fn faults_name_the_argument() {
         assert_eq!(error.key(), Some(key), "{error}");
         assert!(error.to_string().contains(words), "{words}: {error}");
     }
-    // What only a scene can say.
+    // Keys that only a scene has.
     let stiff = |keys: &str| {
         let text =
             format!("time = {{ step = 1e-3, duration = 1.0 }}\ninteraction.model = \"none\"\nrods = {{ {keys} }}");

@@ -1,4 +1,4 @@
-//! What a scene starts from: air at its density, with its wind; where coordinates begin; what the user is warned of.
+//! Initial state of a scene: air at its density, with its wind; the origin of coordinates; warnings to the user.
 #![allow(clippy::unwrap_used)]
 
 mod common;
@@ -242,7 +242,7 @@ fn a_user_is_warned() {
 }
 
 /// A warning gives the spacing that air has in the box, which holds whole rows of it, and not that of the scene's
-/// parcels.
+/// air particle volume.
 #[test]
 fn a_warning_has_the_spacing_of_the_box() {
     let (scene, state) = brush(&["turbulence={bands=[{scale=0.003,strength=3,intensity=0.3}]}"]);

@@ -105,7 +105,7 @@ fn a_mesh_with_a_hole_is_solid() {
     }
 }
 
-/// What cannot be read, or made a body of, is an error that names the key and the file and says what was expected.
+/// A file that cannot be read, or made a body of, is an error that names the key, the file and the expected value.
 #[test]
 fn faults_name_key_and_file() {
     let folder = Folder::new();

@@ -166,7 +166,7 @@ fn light_hair_has_the_added_mass_of_air() {
     let l = own.rest_length[0];
     assert_close(2.0 / (carries.inverse_inertia[0] * l * l), 0.1 * 1.29 * own.volume[1], "mass by a segment's inertia");
 
-    // What carries air already carries no more, and what is heavy enough none.
+    // Hair that carries air already carries no more, and hair that is heavy enough carries none.
     let mut again = carries.clone();
     assert!(again.add_air_mass(&scene).is_empty());
     assert_eq!(again, *carries);
@@ -202,7 +202,7 @@ fn direct_stiffnesses_are_taken_as_they_are() {
     assert_close(hair.bend_compliance[1].z, 0.01 / 8e-9, "twist");
 }
 
-/// A hair point's parcel: V_air min(1, l/h).
+/// A hair point's volume: V_air min(1, l/h).
 #[test]
 fn volumes_of_points_shrink_with_their_spacing() {
     let volume = 1.46e-7 / 1.29;

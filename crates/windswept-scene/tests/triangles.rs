@@ -244,7 +244,7 @@ fn a_grid_needs_no_other_thread() {
     assert!(output.status.success() && said.contains("1 passed"), "{said}");
 }
 
-/// What cannot be baked is an error that says why.
+/// A surface that cannot be baked is an error that says why.
 #[test]
 fn a_surface_that_encloses_nothing_is_refused() {
     let sheet = box_of(DVec3::splat(0.1), 4, |face, _, _| face != 2).closed().0;
@@ -324,7 +324,7 @@ fn glb_of(json: &str, numbers: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// What is read of a GLB file of `nodes` nodes that share one mesh of these `primitives`. Its accessors are three
+/// Triangles of a GLB file of `nodes` nodes that share one mesh of these `primitives`. Its accessors are three
 /// corners of a triangle (0), no points (1), one point (2), and indices of a point that is not there (3).
 fn primitives(nodes: usize, primitives: &[&str]) -> Result<Triangles, SceneError> {
     let view = r#""bufferView":0,"componentType":5126,"type":"VEC3","count""#;
@@ -535,7 +535,7 @@ fn primitives_of_glb_files_are_bounded() {
     assert_eq!(most.parts.len(), MAX_PRIMITIVES);
 }
 
-/// What is wrong in a part of a file is an error that says in which.
+/// A fault in a part of a file is an error that names the part.
 #[test]
 fn faults_name_their_part() {
     for (attributes, said) in [

@@ -1,6 +1,6 @@
 //! `cargo xtask bench`: how fast windswept is beside an earlier build of itself, beside a peer, and on a GPU.
 //!
-//! What is compared runs by turns, so that whatever else the machine does falls on both. Spread is the median absolute
+//! The compared programs run by turns, so that other load of the machine falls on both. Spread is the median absolute
 //! deviation of the turns' ratios.
 
 use std::collections::BTreeMap;
@@ -51,7 +51,7 @@ pub(crate) fn compare(file: &str, rest: &[&str]) -> Result {
     let mut turns = Vec::new();
     for k in 0..options.turns {
         say(&format!("Turn {} of {}", k + 1, options.turns));
-        // Whoever runs second finds the machine warmer: they take turns in that too.
+        // The second program finds the machine warmer: they take turns in that too.
         turns.push(if k % 2 == 0 {
             let before = turn(&mut Command::new(&old))?;
             (before, turn(&mut Command::new(&built))?)
@@ -114,7 +114,7 @@ pub(crate) fn peer(rest: &[&str]) -> Result {
     let mut of_peer = particles;
     for k in 0..options.turns {
         say(&format!("Turn {} of {}", k + 1, options.turns));
-        // Whoever runs second finds the machine warmer: they take turns in that too.
+        // The second program finds the machine warmer: they take turns in that too.
         let (own, other) = if k % 2 == 0 {
             let own = own()?;
             (own, peer(particles)?)
@@ -162,7 +162,7 @@ fn written(bench: &str, rest: &[&str], mut command: Command) -> Result {
     run(command.args(["bench", "--workspace", "--bench", bench, "--"]).args(rest))
 }
 
-/// What follows `--save FILE`, `--compare FILE` or `--peer`.
+/// Options after `--save FILE`, `--compare FILE` or `--peer`.
 struct Options {
     turns: u32,
     profile: String,

@@ -1,7 +1,7 @@
 //! `cargo xtask mutants [PART [SHARD]]`: the code with one small fault at a time, and whether a test notices it.
 //!
 //! cargo-mutants makes the faults in Rust and runs the tests of the part in a copy of the tree. Those of the shaders
-//! are the project's own (`FAULTS` in tests/passes). What was measured is written into benches/results/mutants.md,
+//! are the project's own (`FAULTS` in tests/passes). The results are written into benches/results/mutants.md,
 //! where other parts and shards stay as they are.
 
 use std::collections::BTreeMap;
@@ -129,7 +129,7 @@ fn tool() -> Result<PathBuf> {
 struct Tried {
     noticed: usize,
     endless: usize,
-    /// What does not compile is no mutant.
+    /// Faults that do not compile are no mutants.
     not_built: usize,
     survivors: Vec<String>,
     /// How many there were to try in the shard, and how many the part has.
@@ -186,7 +186,7 @@ impl Part {
 }
 
 impl Tried {
-    /// What cargo-mutants left in its folder.
+    /// Reads the results that cargo-mutants left in its folder.
     fn read(folder: &Path, of_part: usize) -> Result<Self> {
         let lines = |name: &str| -> Result<Vec<String>> {
             let path = folder.join(name);

@@ -8,7 +8,7 @@ use crate::{Result, cargo, root, run, say, system, venv};
 
 /// PyPI packages by which tests read our files with other people's readers, as users do.
 pub(crate) const READERS: [&str; 5] = ["numpy", "h5py", "vtk", "pillow", "usd-core; python_version >= '3.11'"];
-/// What else the Python package's tests and users import, and maturin, which builds it.
+/// Other packages that the Python package's tests and users import, and maturin, which builds it.
 const OTHERS: [&str; 7] = ["maturin", "pytest", "pytest-xdist", "mypy", "matplotlib", "distributed", "tqdm"];
 
 /// `cargo xtask python`.

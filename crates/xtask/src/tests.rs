@@ -59,7 +59,7 @@ pub(crate) fn run(length: Length) -> Result {
         // Many tests wait for a process: half as many again as there are cores keep these busy.
         of_rust.env("RUST_TEST_THREADS", (3 * cores.get()).div_ceil(2).to_string());
     }
-    // A test program of Rust leaves a core idle while its last test runs: Python's tests use it. What they print waits
+    // A test program of Rust leaves a core idle while its last test runs: Python's tests use it. Their output waits
     // for the end.
     let (rust, python) = thread::scope(|scope| {
         let python = scope.spawn(|| run_and_collect(&mut of_python));

@@ -11,7 +11,7 @@ const MIN_WEIGHT: f32 = 1e-6;
 /// Distance within which two curves are one \[m\].
 const SAME: f32 = 1e-6;
 
-/// What a follower goes with.
+/// Guides of a follower and their weights.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Bond {
     pub(super) guides: [u32; 3],
@@ -40,8 +40,8 @@ impl<'a> Group<'a> {
         Self { strands, range, places, spacing, around }
     }
 
-    /// What a hair goes with whose root is there; it grows in the room of the strand `own`, or of the one whose root is
-    /// nearest.
+    /// The bond of a hair with this root. The hair grows in the room of the strand `own`, or of the strand with the
+    /// nearest root.
     pub(super) fn bond(&self, root: Vec3, own: Option<usize>) -> Bond {
         let near: Vec<usize> = match own {
             Some(own) => {
@@ -63,7 +63,7 @@ impl<'a> Group<'a> {
         Bond { guides: three.map(strand), weights: weights.map(|weight| weight / sum), own, is_strand: false }
     }
 
-    /// What a strand goes with, which is its own follower.
+    /// The bond of a strand that is its own follower.
     pub(super) fn itself(&self, s: usize) -> Bond {
         Bond { guides: [s as u32; 3], weights: [1.0, 0.0, 0.0], own: s as u32, is_strand: true }
     }

@@ -1,4 +1,4 @@
-//! What strands are rooted on, and where the hairs about a strand are rooted there.
+//! Surfaces that strands are rooted on, and the roots there of the hairs about a strand.
 
 use std::f32::consts::TAU;
 
@@ -7,7 +7,7 @@ use windswept_scene::{Patch, RootShape, Roots, Scene, Shape};
 
 use super::chance;
 
-/// What the strands of a group are rooted on, where that is known.
+/// Surface that the strands of a group are rooted on, where it is known.
 pub(super) enum Ground<'a> {
     Unknown,
     Patch(&'a Patch),

@@ -43,7 +43,7 @@ impl Places {
                     }
                 }
             }
-            // What is farther than these buckets reach may not be all there is.
+            // Points beyond the reach of these buckets may be incomplete.
             let near = reach as f32 * self.cell;
             if found.iter().filter(|(_, distance)| *distance <= near).count() >= count {
                 break;

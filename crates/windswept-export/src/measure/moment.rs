@@ -9,7 +9,7 @@ use super::shape::{angle, at, directions, length, turning, turns, undulation};
 /// Part of a strand's length at which gathering is measured.
 const UPPER: f64 = 0.8;
 
-/// What is taken from a film's first frame.
+/// Data of a film's first frame.
 #[derive(Debug)]
 pub(super) struct Start {
     /// First point of each strand, and the number of points.

@@ -9,7 +9,7 @@ use super::moment::{Moment, Start};
 /// Swing below this part of the strands' mean length is none: films round places to f32.
 const AT_REST: f64 = 1e-6;
 
-/// What is measured of the tips in a window.
+/// Measured motion of the tips in a window.
 pub(super) struct Motion {
     /// Swing [m]: of all tips, of their mean, of tips relative to that.
     pub(super) swing: f64,

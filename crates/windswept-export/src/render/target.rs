@@ -18,8 +18,8 @@ pub(super) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 /// Samples of a drawn pixel, as many as every adapter has.
 pub(super) const SAMPLES: u32 = 4;
 
-/// What is drawn, `FINE` times as wide and as high as the picture, the picture that averages it, and the memory that it
-/// is read from.
+/// The drawn image, `FINE` times as wide and as high as the picture, the picture that averages it, and the memory that
+/// the picture is read from.
 #[derive(Debug)]
 pub(super) struct Target {
     size: [u32; 2],

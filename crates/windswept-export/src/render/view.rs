@@ -93,7 +93,7 @@ impl View {
     /// The place of a point of the world in the picture \[px\], from the upper left; `None` behind the camera.
     #[must_use]
     pub fn project(&self, point: DVec3) -> Option<[f64; 2]> {
-        // What is near or far does not move it in the picture.
+        // The near and far distances do not move the point in the picture.
         let clip = self.clip_from_world([1.0, 2.0]) * point.extend(1.0);
         (clip.w > 0.0).then(|| {
             let at = clip.truncate() / clip.w;
@@ -214,7 +214,7 @@ fn where_body_goes(body: &Body) -> impl Iterator<Item = DVec3> + '_ {
 }
 
 /// Direction of a strand at rest in the wind: its weight across itself is the drag across itself, with the drag model's
-/// C_d = 1 + 10 Re^(-2/3) on its fibres, or C_d = 1 on its parcels of air. Strands shelter each other, so that one
+/// C_d = 1 + 10 Re^(-2/3) on its fibres, or C_d = 1 on its air particles. Strands shelter each other, so that one
 /// feels about half of it. `None` where neither wind nor weight pulls.
 fn streaming(fibre: &Fibre, length: f64, segments: usize, wind: DVec3, scene: &Scene) -> Option<DVec3> {
     let gravity = DVec3::from_array(scene.gravity);

@@ -11,9 +11,9 @@ use super::text::LAST;
 use crate::ExportError;
 use crate::folder::refuse_link;
 
-/// The end of a layer: of the samples, of the attribute, of the prim; and what is behind it does not count.
+/// The end of a layer: of the samples, of the attribute, of the prim. Bytes behind it do not count.
 const END: &str = "};}#";
-/// What stands in the place of an [`END`] with a sample behind it.
+/// Replacement of an [`END`] with a sample behind it.
 const NO_END: &str = "\n   ";
 /// Bytes that a system writes at once, or not: an [`END`] does not lie across a multiple of this.
 const PAGE: u64 = 4096;

@@ -1,4 +1,4 @@
-//! What a film's layers and files say.
+//! Text of a film's layers and files.
 
 use std::fmt::Write as _;
 
@@ -7,7 +7,7 @@ use windswept::HairFrame;
 use super::UsdWriter;
 use crate::Provenance;
 
-/// What stands before the last time code, and room for any such number.
+/// Text before the last time code, and room for any such number.
 pub(super) const LAST: &str = "endTimeCode = ";
 pub(super) const ROOM: usize = 24;
 

@@ -14,7 +14,7 @@ pub(crate) struct Films {
     scene: Scene,
     adapter: String,
     frames: usize,
-    /// Those that go on, until they are cut.
+    /// Films that go on, until they are cut.
     there: Vec<Continuation>,
     /// Laid out with the first frame, or opened where there are frames already.
     files: Option<Vec<VtkHdfWriter>>,
@@ -44,7 +44,7 @@ impl Films {
         Ok(films)
     }
 
-    /// What `writer` makes of each kind that the frame has.
+    /// Result of `writer` for each kind that the frame has.
     fn each<T>(
         &self,
         frame: &Frame,

@@ -54,7 +54,7 @@ pub(super) enum Values<'a> {
     Pairs(&'a [[f32; 2]]),
 }
 
-/// What of a frame a file has beside positions and velocities.
+/// Contents of a file beside positions and velocities.
 pub(super) struct Contents<'a> {
     /// Points of a frame.
     pub(super) points: usize,
@@ -62,7 +62,7 @@ pub(super) struct Contents<'a> {
     pub(super) root_frames: usize,
     /// Names of the scalars per point.
     pub(super) scalars: &'a [&'static str],
-    /// What stays.
+    /// Values that stay constant through the film.
     pub(super) still: &'a [Still<'a>],
 }
 

@@ -17,7 +17,7 @@ pub struct VtkHdfReader {
     kind: Kind,
     root: Group,
     times: Vec<f64>,
-    /// What stays of the strands; hair only.
+    /// Constant values of the strands; hair only.
     still: HairFrame,
     points: usize,
 }

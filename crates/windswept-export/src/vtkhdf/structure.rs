@@ -15,7 +15,7 @@ use std::path::Path;
 
 use super::layout::CHUNK;
 
-/// What is wrong with a film, and at which byte.
+/// Error: the fault of a film, and at which byte.
 type Result<T = ()> = std::result::Result<T, String>;
 
 /// How a film starts: HDF5's signature, versions 0, 8 bytes for an address and for a length, the sizes of B-trees.
@@ -50,7 +50,7 @@ const TEXT: u64 = 16;
 /// Checks the structures of a film.
 ///
 /// # Errors
-/// What is wrong with them.
+/// The fault of the structures.
 pub(super) fn check(path: &Path) -> Result {
     let file = File::open(path).map_err(|e| e.to_string())?;
     let end = file.metadata().map_err(|e| e.to_string())?.len();
@@ -119,7 +119,7 @@ impl Film {
         read.map(|()| bytes).map_err(|e| format!("the {what} at byte {at}: {e}"))
     }
 
-    /// What an entry of a symbol table leads to.
+    /// Notes the object that an entry of a symbol table leads to.
     fn entry(&mut self, entry: &[u8]) -> Result {
         let symbols = match number::<8>(entry, 16)? {
             0 => None,
@@ -269,7 +269,7 @@ impl Film {
         let (mut rest, mut lengths) = (&texts[..], BTreeMap::new());
         while rest.len() >= 16 {
             let (index, length) = (number::<2>(rest, 0)?, number::<8>(rest, 8)?);
-            // What is left says its length with its head, a text without.
+            // The length of free space includes its head, that of a text does not.
             let whole = match index {
                 0 => Some(length),
                 _ => length.checked_next_multiple_of(8).and_then(|length| length.checked_add(16)),

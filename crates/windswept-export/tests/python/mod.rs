@@ -5,8 +5,8 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// What a program of this folder prints; it ends well and says nothing on standard error, where libraries complain and
-/// go on.
+/// Output of a program of this folder. The program succeeds and prints nothing on standard error, where libraries
+/// complain and go on.
 pub(crate) fn run(program: &str, arguments: &[&str]) -> String {
     let python = interpreter();
     let program = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join(program);

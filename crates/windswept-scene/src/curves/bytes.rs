@@ -23,7 +23,7 @@ impl<'a> Bytes<'a> {
         self.at
     }
 
-    /// The next `count` things of `size` bytes each, not taken yet. Whoever makes room for them does so after this:
+    /// The next `count` things of `size` bytes each, not taken yet. A caller allocates memory for them after this call:
     /// there are no more than the file has.
     pub(super) fn has(&self, count: u64, size: usize, what: &str) -> Result<&'a [u8], SceneError> {
         let wanted = u128::from(count) * size as u128;

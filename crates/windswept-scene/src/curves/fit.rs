@@ -318,7 +318,7 @@ impl GroomFile {
         Ok((curves, notes))
     }
 
-    /// What a user should know of a file's curves, of which all or only the guides are taken.
+    /// Notes for the user about a file's curves, of which all or only the guides are taken.
     fn notes_of(&self, curves: &Curves, only_guides: bool) -> Vec<String> {
         let (total, marked, doubled) = (curves.len(), curves.marked(), curves.doubled_ids());
         let mut notes = Vec::new();
@@ -464,7 +464,7 @@ impl GroomFile {
     }
 }
 
-/// What is said where a file has no unit: how large it is.
+/// Message where a file has no unit: how large it is.
 pub(crate) fn no_unit(bounds: Option<[[f64; 3]; 2]>) -> String {
     let Some([low, high]) = bounds else { return "the file has no points".to_owned() };
     let sides = [0, 1, 2].map(|k| high[k] - low[k]);

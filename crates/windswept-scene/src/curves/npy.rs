@@ -23,12 +23,12 @@ use crate::error::SceneError;
 const MAGIC: &[u8; 6] = b"\x93NUMPY";
 /// Most sides of an array: none that is looked at has more.
 const MAX_SIDES: usize = 3;
-/// What the header's length is a multiple of.
+/// The header's length is a multiple of this.
 const ALIGNMENT: usize = 64;
 /// Numbers that are decoded at a time: whole rows of 1, 2 and 3.
 const PIECE: usize = 6 << 10;
 
-/// What stands before the numbers of a file.
+/// Head of a file, before the numbers.
 pub(super) struct Head {
     pub(super) shape: Vec<usize>,
     /// Kind of the numbers, without their byte order.
@@ -269,8 +269,7 @@ fn file(kind: &str, shape: &[usize], values: impl Iterator<Item = u8>) -> Vec<u8
     bytes
 }
 
-/// What stands in a `.npy` file before the numbers: those of an array of this kind, as NumPy spells it (`"<f4"`), and
-/// this shape.
+/// Head of a `.npy` file, before the numbers, for an array of this kind, as NumPy spells it (`"<f4"`), and this shape.
 #[must_use]
 pub fn npy_head(kind: &str, shape: &[usize]) -> Vec<u8> {
     let sides: String = shape.iter().map(|n| format!("{n}, ")).collect();

@@ -24,7 +24,7 @@ use super::{
 };
 use crate::{error::SceneError, limits::MAX_PACKED_NUMBERS};
 
-/// What the last record of a zip archive begins with, and its length without the archive's comment \[bytes\].
+/// First bytes of the last record of a zip archive, and its length without the archive's comment \[bytes\].
 const END_RECORD: (&[u8], usize) = (b"PK\x05\x06", 22);
 
 const POINTS: [&str; 2] = ["points", "positions"];

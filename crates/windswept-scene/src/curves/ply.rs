@@ -188,7 +188,7 @@ fn number(bytes: &mut Bytes<'_>, encoding: Encoding, scalar: Scalar) -> Result<f
 /// Names that writers give to a vertex's place in a texture.
 const PLACES: [[&str; 2]; 3] = [["s", "t"], ["u", "v"], ["texture_u", "texture_v"]];
 
-/// What a file has of a groom, or of a surface.
+/// Data in a file of a groom, or of a surface.
 #[derive(Default)]
 struct Found {
     points: Option<Vec<[f64; 3]>>,

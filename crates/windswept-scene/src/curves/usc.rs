@@ -10,7 +10,7 @@ use super::{
 };
 use crate::error::SceneError;
 
-/// What stands in the file for each point.
+/// Record of the file for each point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Record {
     /// The point: `.data`.

@@ -136,7 +136,7 @@ impl Air {
     pub const KERNEL_RADIUS: f64 = 9.3e-3;
     /// Kinematic viscosity ν of air, where a scene does not say it \[m²/s\].
     pub const KINEMATIC_VISCOSITY: f64 = 1.5e-5;
-    /// Volume of a parcel without `[air]`: the paper's \[m³\].
+    /// Volume of an air particle without `[air]`: the paper's \[m³\].
     pub(crate) const PARTICLE_VOLUME: f64 = Self::PARTICLE_MASS / Self::REST_DENSITY;
 
     fn checked(mut self, reader: &Reader<'_>) -> Result<Self, SceneError> {

@@ -203,7 +203,7 @@ impl Hair {
     /// Name of a group that says none.
     pub(crate) const NAME: &str = "hair";
 
-    /// What the strands are drawn by; `None` where they come from a file.
+    /// Parameters that the strands are drawn by; `None` where they come from a file.
     #[must_use]
     pub fn drawn(&self) -> Option<&Drawn> {
         match &self.source {

@@ -15,7 +15,7 @@ use crate::{
 /// Direction in which strands start, where a scene says none.
 const DOWN: [f64; 3] = [0.0, -1.0, 0.0];
 
-/// What the strands of a group are rooted on.
+/// Surface that the strands of a group are rooted on.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Roots {
     /// A disc, a cap or a line.

@@ -69,7 +69,7 @@ fn bake_in(
     Ok(grid)
 }
 
-/// What tells one grid from all others.
+/// Key that tells one grid from all others.
 fn key(surface: &Triangles, spacing: f64, margin: f64) -> [u8; SUM] {
     let mut hash = Sha256::new();
     hash.update(VERSION.to_le_bytes());
@@ -189,7 +189,7 @@ mod tests {
         let key = key(&ball(0.04), 4e-3, 3.0 * 4e-3);
         assert_eq!(read(path, &key).as_ref(), Some(&first));
         assert_eq!(bake_in(None, Duration::ZERO, &ball(0.04), 4e-3, 3.0 * 4e-3).as_ref(), Ok(&first));
-        // What stands in the file is what is taken.
+        // The grid in the file is taken.
         let other = DistanceGrid { spacing: 5e-3, ..first.clone() };
         let replaced = |content: &[u8]| fs::write(path, content).unwrap_or_else(|error| panic!("{error}"));
         replaced(&bytes(&other, &key));

@@ -79,7 +79,7 @@ impl Welder {
     fn index(&mut self, x: DVec3) -> u32 {
         let place = (x - self.low) / (2.0 * self.near).max(f64::MIN_POSITIVE);
         let cell = |place: DVec3| place.floor().to_array().map(|x| x as i64);
-        // What is near is in this cell, or across the nearer of its sides.
+        // Near points are in this cell, or across the nearer of its sides.
         for k in 0..8 {
             let way = DVec3::from_array([1, 2, 4].map(|bit| if k & bit == 0 { -0.5 } else { 0.5 }));
             let there = self.cells.get(&cell(place + way)).into_iter().flatten();

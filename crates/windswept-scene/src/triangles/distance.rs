@@ -36,7 +36,7 @@ const ROUNDING: f64 = 1e-6;
 /// Fewest cells along the longest side of such a grid's surface.
 const CELLS: f64 = 128.0;
 
-/// What may be looked at for some nodes of a grid, all rows together.
+/// Limit on the looks for some nodes of a grid, all rows together.
 struct Patience {
     spent: AtomicU64,
     most: u64,
@@ -98,7 +98,7 @@ impl DistanceGrid {
     }
 
     /// The distances of a surface without holes ([`Triangles::closed`]) in metres, with nodes `spacing` \[m\] apart
-    /// that reach at least `margin` \[m\] beyond it. What the surface winds about, either way, is inside.
+    /// that reach at least `margin` \[m\] beyond it. Points that the surface winds about, either way, are inside.
     ///
     /// Rows of nodes are shared out to the machine's cores; the values do not depend on how many there are.
     ///

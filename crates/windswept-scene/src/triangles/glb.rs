@@ -23,7 +23,7 @@ const U16: u32 = 5123;
 const U32: u32 = 5125;
 const F32: u32 = 5126;
 
-/// What a file says of its triangles; the rest is passed over.
+/// Fields of a file about its triangles; the rest is passed over.
 #[derive(Deserialize)]
 #[serde(rename_all = "camelCase", default)]
 #[derive(Default)]

@@ -105,7 +105,7 @@ fn check_whole(text: &str) -> Result<(), SceneError> {
     Err(fault.with_help("the file is cut off there, or lacks the line break at its end"))
 }
 
-/// What faces are named by, from a line of the file on.
+/// Names of faces, from a line of the file on.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 struct Names<'a> {
     object: &'a str,
@@ -165,7 +165,7 @@ fn numbered(given: &str) -> Result<(String, Vec<Names<'_>>), SceneError> {
 pub(super) fn read(bytes: &[u8]) -> Result<Triangles, SceneError> {
     let options =
         tobj::LoadOptions { triangulate: true, ignore_lines: true, ignore_points: true, ..Default::default() };
-    // What is left of the bytes is behind the last line that was read.
+    // The bytes that are left are behind the last line that was read.
     let load = |left: &mut &[u8]| tobj::load_obj_buf(left, &options, |_| Err(tobj::LoadError::OpenFileFailed));
     // Comments and names may be of any encoding: numbers are text of all.
     let given = String::from_utf8_lossy(bytes);
