@@ -213,13 +213,13 @@ fn on_the_gpu(gpu: &Gpu, simulation: &mut Simulation, steps: u64) -> Result<(f64
         let before = simulation.steps();
         let started = Instant::now();
         let mut encoder = gpu.device().create_command_encoder(&CommandEncoderDescriptor::default());
-        simulation.record(&mut encoder, steps);
+        simulation.encode_steps(&mut encoder, steps);
         let commands = encoder.finish();
         let encoded = Instant::now();
         gpu.queue().submit([commands]);
         gpu.wait()?;
         let done = Instant::now();
-        simulation.settle()?;
+        simulation.finish_steps()?;
         // Steps that froze, since the neighbour list has to grow, took no time.
         if simulation.steps() == before + steps {
             return Ok((ms_each(encoded, done), ms_each(started, encoded)));

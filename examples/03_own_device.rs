@@ -41,9 +41,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     // step: the step is not done then, and is recorded again.
     while brush.steps() < 3 {
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        brush.record(&mut encoder, 3 - brush.steps());
+        brush.encode_steps(&mut encoder, 3 - brush.steps());
         queue.submit([encoder.finish()]);
-        brush.settle()?;
+        brush.finish_steps()?;
     }
     strands.step(100)?;
     println!("{} steps of the brush, {} of the strands", brush.steps(), strands.steps());

@@ -82,12 +82,12 @@ fn the_default_is_within_0_8_percent() {
 #[test]
 fn every_spacing_and_box_is_that_of_the_whole_sum() {
     let cases = [
-        // Measured 1.24, 0.35, 0.053, 2.3, 0.84, 0.38, 0.39 %; margin 1.5 or more.
+        // Measured 0.075, 0.73, 0.65, 0.14 and 0.078 %; margin 1.3 or more.
         ([17, 17, 17], 0.009, 0.4, 0.001),
-        ([17, 17, 17], 0.009, 1.0, 0.04),
-        ([6, 6, 6], 0.012, 0.65, 0.015),
-        ([6, 7, 16], 0.009, 0.55, 0.006),
-        ([8, 6, 21], 0.007, 0.45, 0.006),
+        ([17, 17, 17], 0.009, 1.0, 0.011),
+        ([6, 6, 6], 0.012, 0.65, 0.01),
+        ([6, 7, 16], 0.009, 0.55, 0.0022),
+        ([8, 6, 21], 0.007, 0.45, 0.0012),
     ];
     for (counts, scale, spacing, bound) in cases {
         let air = stirred(counts, 8);

@@ -7,8 +7,8 @@ const LONG: f32 = 0.02;            // s
 const FAR: f32 = 1.2;              // d, of the way in a step
 
 @group(0) @binding(2) var<storage, read>       air_total:           array<mat2x4f>;   // of each body (`contact/body_impulse`)
-@group(0) @binding(3) var<storage, read>       coarse_impulse: array<vec4f>;     // by the coarse pressure, over the mass of an air particle [m/s]
-@group(0) @binding(4) var<storage, read_write> body_impulse:   array<vec4f>;     // of the run [kg m/s]
+@group(0) @binding(3) var<storage, read>       coarse_impulse: array<vec4f>;          // by the coarse pressure, over the mass of an air particle [m/s]
+@group(0) @binding(4) var<storage, read_write> body_impulse:   array<vec4f>;          // of the run [kg m/s]
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {

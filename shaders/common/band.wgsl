@@ -14,5 +14,5 @@ struct Band {
     layers: i32,           // number of layers of cells, in z, that the filter reaches on either side of a block
     first_row: i32,        // first row that this dispatch looks at, of (2 rows + 1) (2 layers + 1), counted y first
     end_row: i32,          // end of the rows that this dispatch looks at
-    comes_first: u32,    // 1 for the first band of a step, else 0
+    comes_first: u32,      // 1 for the first band of a step, else 0
 }

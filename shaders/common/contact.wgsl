@@ -99,10 +99,10 @@ fn effective_inverse_mass_between(first: f32, second: f32, part: f32) -> f32 {
 
 // Place of a segment that is nearest to a body.
 struct Nearest {
-    part: f32,         // of the segment; 0 or 1 where an end is nearest
-    straight: f32,     // the same by the ends alone
-    curve: f32,        // m/rad, by which it shifts as the segment turns
-    effective_inverse_mass: f32,        // m/N, W of the place
+    part: f32,                     // of the segment; 0 or 1 where an end is nearest
+    straight: f32,                 // the same by the ends alone
+    curve: f32,                    // m/rad, by which it shifts as the segment turns
+    effective_inverse_mass: f32,   // m/N, W of the place
     seen: RelativeMove,
     surface: Surface,  // seen from there
 }

@@ -5,13 +5,13 @@
 import package::common::quaternion::{product, rotation};
 
 struct Keyframe {
-    translation: vec3f,   // translation T at the keyframe [m]
-    step: u32,            // whole part of the keyframe's time, `step + fraction` [steps]
-    rotation: vec4f,      // rotation R at the keyframe
-    displacement: vec3f,        // translation from this keyframe to the next [m]
-    fraction: f32,        // rest of the keyframe's time, 0 to 1 [steps]
-    turn: vec3f,          // rotation vector from this keyframe to the next, less than half a turn [rad]
-    rate: f32,            // part of the way to the next keyframe that one step goes [1/steps]; 0 for the last
+    translation: vec3f,    // translation T at the keyframe [m]
+    step: u32,             // whole part of the keyframe's time, `step + fraction` [steps]
+    rotation: vec4f,       // rotation R at the keyframe
+    displacement: vec3f,   // translation from this keyframe to the next [m]
+    fraction: f32,         // rest of the keyframe's time, 0 to 1 [steps]
+    turn: vec3f,           // rotation vector from this keyframe to the next, less than half a turn [rad]
+    rate: f32,             // part of the way to the next keyframe that one step goes [1/steps]; 0 for the last
 }
 
 struct Pose {

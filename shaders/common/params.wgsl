@@ -32,23 +32,23 @@ struct Params {
     density_softening: f32,       // alpha of the multiplier, 1/(kg m^2)
     viscosity_hair: f32,          // c of eq. 7, for one engine step
     viscosity_air: f32,
-    viscosity_eddies: f32,        // c over the deformation |G| dt
-    spreading: f32,               // f of `fluid/spread`
-    settling: f32,                // part of its unevenness that still air takes out in a step
-    damping: f32,                 // 1/s
-    failed_strand_limit: u32,        // more than this in one step end the run
-    air_density: f32,             // kg/m^3
-    kinematic_viscosity: f32,     // m^2/s, of the drag on segments
-    lift: f32,                    // C_l
-    skin_friction: f32,           // C_f, of air along bodies
-    published_law: u32,           // confinement as printed, else the band law
-    direct_rods: u32,             // rods by the direct solver, else by Gauss-Seidel
-    bdf2: u32,                    // rods by BDF2, else by implicit Euler
-    sleep: u32,                   // strands at rest are left alone
-    substeps: u32,                // engine steps of a time step
-    conserve_momentum: u32,       // take the mean change by confinement out
-    sampled: u32,                 // drag finds the air at each hair point in `sampled`, else it is the mean wind
-    model: u32,                   // of hair and air: PARTICLES, TWO_WAY, MEAN_WIND, ALONE
+    viscosity_eddies: f32,      // c over the deformation |G| dt
+    spreading: f32,             // f of `fluid/spread`
+    settling: f32,              // part of its unevenness that still air takes out in a step
+    damping: f32,               // 1/s
+    failed_strand_limit: u32,   // more than this in one step end the run
+    air_density: f32,           // kg/m^3
+    kinematic_viscosity: f32,   // m^2/s, of the drag on segments
+    lift: f32,                  // C_l
+    skin_friction: f32,         // C_f, of air along bodies
+    published_law: u32,         // confinement as printed, else the band law
+    direct_rods: u32,           // rods by the direct solver, else by Gauss-Seidel
+    bdf2: u32,                  // rods by BDF2, else by implicit Euler
+    sleep: u32,                 // strands at rest are left alone
+    substeps: u32,              // engine steps of a time step
+    conserve_momentum: u32,     // take the mean change by confinement out
+    sampled: u32,               // drag finds the air at each hair point in `sampled`, else it is the mean wind
+    model: u32,                 // of hair and air: PARTICLES, TWO_WAY, MEAN_WIND, ALONE
 }
 
 // How hair and air meet: in one fluid of particles, by exchanging drag, in the mean wind without air, or not at all.

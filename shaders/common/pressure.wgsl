@@ -25,7 +25,7 @@ struct Stress {
 }
 
 const LASTING: f32 = 1.5;   // impulse of a push over all steps: BDF2 hands a third of it on to the next, and 1 + 1/3 + 1/9 + ... = 3/2
-const THIN: f32 = 0.6;   // rho/rho_0 below which air is missing: pressure pushes there, and does not pull
+const THIN: f32 = 0.6;      // rho/rho_0 below which air is missing: pressure pushes there, and does not pull
 
 // The pressure that a particle of this density may have.
 fn allowed(pressure: f32, density: f32) -> f32 {

@@ -3,5 +3,5 @@
 // (`Strand.still_acceleration`). Each strand has its own measures (`Strands::rest`). They are of ways, not of speeds:
 // rounding lets points and frames tremble, by as much however short the step is, and so the faster the shorter it is.
 
-const STILL_TURN: f32 = 1e-3;   // turn of a frame at rest [rad]
+const STILL_TURN: f32 = 1e-3;     // turn of a frame at rest [rad]
 const RESTING_STEPS: u32 = 10u;   // number of steps for which a strand must have been still at least, however long they are

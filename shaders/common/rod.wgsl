@@ -66,14 +66,14 @@ struct Segment {
 
 // How a strand is from step to step.
 struct Condition {
-    failed: u32,          // BAD, SPOILT: not finite, to be reset; 0: sound
+    failed: u32,       // FAILED, INVALID: to be reset; 0: valid
     strained: u32,     // steps of over-strain on end
     bdf2_ready: u32,   // 1: the step before was integrated, or slept through
-    resting: u32,        // steps on end at rest; SLEEPS
+    resting: u32,      // steps on end at rest; SLEEPS
 }
 
-const FAILED: u32 = 1u;               // what its step found after the solve, and counted: the next step resets it
-const SPOILT: u32 = 2u;            // what its step finds as it begins, and counts: the same step resets it
+const FAILED: u32 = 1u;    // found by its step after the solve, and counted: the next step resets it
+const INVALID: u32 = 2u;   // found by a step as it begins, and counted: the same step resets it
 const SLEEPS: u32 = 0xffffffffu;
 const NO_PIN: u32 = 0xffffffffu;
 const STRAINED_STEPS: u32 = 50u;   // on end, before it is counted
@@ -92,24 +92,24 @@ struct Pin {
 
 // A strand within a step.
 struct RodStrand {
-    strand: Strand,         // for `rods/solve`, which has no binding left for it
-    root_displacement: vec3f,     // m, the clamp's displacement
-    state: u32,             // FREE, SOLVED, TELEPORTED, ASLEEP
-    root_frame: vec4f,      // ghost frame at the step's end
-    root_turn: vec4f,       // from the ghost frame at the step's start
-    scheme: u32,            // of `integration`, if it is integrated: EULER, BDF2
-    condition: Condition,   // as the step found it so far; `commit/frames` commits it
-    pin_force: vec3f,       // N, that holds it at its last pin
-    embedded: u32,          // points, from the root on, that bodies let be
-    meets: u32,             // 1: it may meet a body in this step
-    woken: u32,             // 1: a body that moves reaches it
-    comes_out: u32,         // 1: it starts the step deeper in a body than it comes out in a step
-    newton: u32,            // Newton steps so far
-    steep: u32,             // 1: the next takes all of a segment's force for its tension
-    settled: f32,           // rad, and strain, in a Newton step that is the last
-    pin: u32,               // its last point that is pinned or a held tip, from the root on; NO_PIN
-    tip_displacement: vec3f,      // m, of a held tip
-    tip_frame: vec4f,       // of a clamped tip, at the step's end
+    strand: Strand,             // for `rods/solve`, which has no binding left for it
+    root_displacement: vec3f,   // m, the clamp's displacement
+    state: u32,                 // FREE, SOLVED, TELEPORTED, ASLEEP
+    root_frame: vec4f,          // ghost frame at the step's end
+    root_turn: vec4f,           // from the ghost frame at the step's start
+    scheme: u32,                // of `integration`, if it is integrated: EULER, BDF2
+    condition: Condition,       // as the step found it so far; `commit/frames` commits it
+    pin_force: vec3f,           // N, that holds it at its last pin
+    embedded: u32,              // points, from the root on, that bodies let be
+    meets: u32,                 // 1: it may meet a body in this step
+    woken: u32,                 // 1: a body that moves reaches it
+    comes_out: u32,             // 1: it starts the step deeper in a body than it comes out in a step
+    newton: u32,                // Newton steps so far
+    steep: u32,                 // 1: the next takes all of a segment's force for its tension
+    settled: f32,               // rad, and strain, in a Newton step that is the last
+    pin: u32,                   // its last point that is pinned or a held tip, from the root on; NO_PIN
+    tip_displacement: vec3f,    // m, of a held tip
+    tip_frame: vec4f,           // of a clamped tip, at the step's end
 }
 
 const FREE: u32 = 0u;         // integrated, and not solved yet
@@ -119,51 +119,51 @@ const ASLEEP: u32 = 3u;       // stays where it is
 
 // A point within a step. One that is placed felt no force on its way: force, resistance and outside are 0.
 struct RodPoint {
-    start: vec4f,          // xyz: position at the step's start [m], w: volume [m^3]
-    remainder: vec3f,      // m, what rounding left off the position, and what makes the strand whole there
-    inverse_mass: f32,     // 1/kg
-    velocity: vec3f,       // m/s, v_n with what acts from outside in this step
-    weight: f32,           // over that of the mass that it moves with
-    before: vec3f,         // m/s, v_(n-1) with the same; from `rods/update` on v_n, with what contact adds as well
-    scheme: u32,           // of `integration`: EULER, BDF2, KINEMATIC, HOLD
-    previous_move: vec3f,        // m, the move of the step before
-    resistance: f32,       // kg/s, from outside, to its velocity at the step's end
-    force: vec3f,          // N, from outside, on the point at rest
-    effective_inverse_mass: f32,            // m/N, W: the move that a force of the rod makes; 0 where the point is held
-    external_dv: vec3f,        // m/s, all that acts from outside in this step
-    impulse_change: vec3f,           // m/s, what of it did not act while the strand came to rest
-    free: vec3f,           // m, the move without the rod's forces; of a held point, where it is held
-    displacement: vec3f,         // m, the move
-    rest_drift: vec3f,     // m, from where it was when the strand became still
-    pin: vec3f,            // m, to where it is pinned in this step
-    pinned: u32,           // 1: it is, and the strand has a pin nearer to the tip
-    pin_force: vec3f,      // N, of the pin in the step before, by which its spring need not give
+    start: vec4f,                  // xyz: position at the step's start [m], w: volume [m^3]
+    remainder: vec3f,              // m, what rounding left off the position, and what makes the strand whole there
+    inverse_mass: f32,             // 1/kg
+    velocity: vec3f,               // m/s, v_n with what acts from outside in this step
+    weight: f32,                   // over that of the mass that it moves with
+    before: vec3f,                 // m/s, v_(n-1) with the same; from `rods/update` on v_n, with what contact adds as well
+    scheme: u32,                   // of `integration`: EULER, BDF2, KINEMATIC, HOLD
+    previous_move: vec3f,          // m, the move of the step before
+    resistance: f32,               // kg/s, from outside, to its velocity at the step's end
+    force: vec3f,                  // N, from outside, on the point at rest
+    effective_inverse_mass: f32,   // m/N, W: the move that a force of the rod makes; 0 where the point is held
+    external_dv: vec3f,            // m/s, all that acts from outside in this step
+    impulse_change: vec3f,         // m/s, what of it did not act while the strand came to rest
+    free: vec3f,                   // m, the move without the rod's forces; of a held point, where it is held
+    displacement: vec3f,           // m, the move
+    rest_drift: vec3f,             // m, from where it was when the strand became still
+    pin: vec3f,                    // m, to where it is pinned in this step
+    pinned: u32,                   // 1: it is, and the strand has a pin nearer to the tip
+    pin_force: vec3f,              // N, of the pin in the step before, by which its spring need not give
 }
 
 // A segment within a step.
 struct RodSegment {
-    start: vec4f,      // frame at the step's start
-    frame: vec4f,      // turn * start
-    turn: vec4f,       // rotation in this step; a frame that `rods/gauss_seidel` has turned does not have it
-    free: vec4f,       // rotation without the rod's forces
-    strain: vec3f,     // m, world: u = chord - l d3
-    scheme: u32,       // of `integration`: EULER, BDF2, KINEMATIC, HOLD
-    rest_drift: vec3f,    // rad, turn since the strand became still
-    stretch: vec3f,    // multiplier of stretch-shear in `rods/gauss_seidel`
-    bend: vec3f,       // multiplier of the joint before it there
+    start: vec4f,        // frame at the step's start
+    frame: vec4f,        // turn * start
+    turn: vec4f,         // rotation in this step; a frame that `rods/gauss_seidel` has turned does not have it
+    free: vec4f,         // rotation without the rod's forces
+    strain: vec3f,       // m, world: u = chord - l d3
+    scheme: u32,         // of `integration`: EULER, BDF2, KINEMATIC, HOLD
+    rest_drift: vec3f,   // rad, turn since the strand became still
+    stretch: vec3f,      // multiplier of stretch-shear in `rods/gauss_seidel`
+    bend: vec3f,         // multiplier of the joint before it there
 }
 
 // History of a point, beside its position and velocity.
 struct PointHistory {
-    displacement: vec3f,      // m, the last step's move
-    velocity: vec3f,    // m/s, of the step before, with all that acted from outside since
-    remainder: vec3f,   // m, what rounding left off the position
-    external_dv: vec3f,     // m/s, all that acted from outside in the last step awake, a mean of those on end in which its strand was
+    displacement: vec3f,   // m, the last step's move
+    velocity: vec3f,       // m/s, of the step before, with all that acted from outside since
+    remainder: vec3f,      // m, what rounding left off the position
+    external_dv: vec3f,    // m/s, all that acted from outside in the last step awake, a mean of those on end in which its strand was
                         // still; nothing with the model PARTICLES
-    own: vec3f,         // m/s, what its rod and gravity gave it in the last step awake; nothing with the model PARTICLES
-    grip: vec3f,        // m/s, slip that friction of hair on hair holds it back from
-    rest_drift: vec3f,     // m, from where it was when its strand became still
-    pin_force: vec3f,   // N, that holds it at a pin
+    own: vec3f,          // m/s, what its rod and gravity gave it in the last step awake; nothing with the model PARTICLES
+    grip: vec3f,         // m/s, slip that friction of hair on hair holds it back from
+    rest_drift: vec3f,   // m, from where it was when its strand became still
+    pin_force: vec3f,    // N, that holds it at a pin
 }
 
 // History of a segment, beside its frame.
@@ -171,7 +171,7 @@ struct SegmentHistory {
     turn: vec3f,               // rad, the last step's
     angular_velocity: vec3f,   // rad/s, world axes
     before: vec3f,             // rad/s, of the step before
-    rest_drift: vec3f,            // rad, turn since its strand became still
+    rest_drift: vec3f,         // rad, turn since its strand became still
 }
 
 // Where a root is, and its ghost frame.

@@ -7,16 +7,16 @@ const NON_FINITE_AIR: u32 = 2u;       // replay with the passes that recover str
 const TOO_MANY_BAD_STRANDS: u32 = 4u; // the same
 const UNRECOVERED_STRAND: u32 = 8u;      // a strand is bad or lost: replay with the passes that recover it
 
-const STRAND_RESET: u32 = 0u;    // a non-finite strand goes back to its rest pose
-const OVER_STRAINED: u32 = 1u;   // a strand with a segment a twentieth too long or short for 50 steps on end
-const HAIR_OUTSIDE: u32 = 2u;    // a step behind 0.1 s on end with more than a twentieth of the hair outside the box
+const STRAND_RESET: u32 = 0u;          // a non-finite strand goes back to its rest pose
+const OVER_STRAINED: u32 = 1u;         // a strand with a segment a twentieth too long or short for 50 steps on end
+const HAIR_OUTSIDE: u32 = 2u;          // a step behind 0.1 s on end with more than a twentieth of the hair outside the box
 const CONFINEMENT_LIMITED: u32 = 3u;   // a step in which a band would have grown by more than half of its speed
-const EULER_STEP: u32 = 4u;      // a strand took implicit Euler where BDF2 is asked for
-const SLEEPING_STEP: u32 = 5u;     // a strand slept
-const TELEPORT: u32 = 6u;        // a strand moved as a whole with its root
-const UNSOLVED_STEP: u32 = 7u;   // a strand had not settled after the last Newton step
-const EXCHANGE_LIMITED: u32 = 8u;   // a hair point whose exchange with the air was limited
-const AIR_BESIDE: u32 = 9u;      // a step in which air beside bodies was not as dense as it should be, or went too far
+const EULER_STEP: u32 = 4u;            // a strand took implicit Euler where BDF2 is asked for
+const SLEEPING_STEP: u32 = 5u;         // a strand slept
+const TELEPORT: u32 = 6u;              // a strand moved as a whole with its root
+const UNSOLVED_STEP: u32 = 7u;         // a strand had not settled after the last Newton step
+const EXCHANGE_LIMITED: u32 = 8u;      // a hair point whose exchange with the air was limited
+const AIR_BESIDE: u32 = 9u;            // a step in which air beside bodies was not as dense as it should be, or went too far
 const COUNTERS: u32 = 10u;
 
 const BY_RESET: u32 = 0u;    // passes that find strands which are not finite: forcing/reset as the step begins,
@@ -30,7 +30,7 @@ struct Status {
     ended: u32,                       // 1 once a step that froze has ended: those behind it in the same batch find nothing out
     neighbours: atomic<u32>,          // elements that the longest page of the list needs in this step, the low half of 64 bits
     neighbour_carries: atomic<u32>,   // the high half
-    failed_strands: atomic<u32>,         // non-finite in this step
+    failed_strands: atomic<u32>,      // non-finite in this step
     first_bad: atomic<u32>,           // smallest hair point that is not finite in this step, times 4, and the pass that found it
     reset_first: u32,                 // that of the last committed step in which one was not finite
     reset_step: u32,                  // number of that step, from 1; 0 if there was none
@@ -40,13 +40,13 @@ struct Status {
     inspected: u32,                   // 1: this step began with `forcing/reset`
     hair_outside: atomic<u32>,        // hair points outside the box of air, this step
     outside_steps: u32,               // steps on end with many of them
-    path_beside: atomic<u32>,          // d, farthest way of air beside bodies in this step, the bits of a positive f32
+    path_beside: atomic<u32>,         // d, farthest way of air beside bodies in this step, the bits of a positive f32
     off_steps: u32,                   // steps on end in which the density of the air beside bodies was off
     wind: array<f32, 3>,              // m/s, mean wind at the end of this step
     wind_before: array<f32, 3>,       // m/s, at its start
     fastest_wind: f32,                // m/s, largest speed of the mean wind in its table
-    wind_path: array<f32, 3>,               // m, that the wind has blown in committed steps, wrapped into the box
-    counted: array<u32, COUNTERS>,          // by cause, committed steps
+    wind_path: array<f32, 3>,         // m, that the wind has blown in committed steps, wrapped into the box
+    counted: array<u32, COUNTERS>,    // by cause, committed steps
     counting: array<atomic<u32>, COUNTERS>, // by cause, this step
 }
 

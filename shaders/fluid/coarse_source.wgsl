@@ -14,7 +14,7 @@ import package::common::{
 @group(0) @binding(3) var<storage, read>       sorted:          array<u32>;
 @group(0) @binding(4) var<storage, read>       sorted_position: array<vec4f>;
 @group(0) @binding(5) var<storage, read>       stress:          array<Stress>;
-@group(0) @binding(6) var<storage, read>       density:         array<f32>;     // rho / rho_0
+@group(0) @binding(6) var<storage, read>       density:         array<f32>;            // rho / rho_0
 @group(0) @binding(7) var<storage, read_write> deposit_source:         array<vec4f>;   // xyz: place in node spacings; w: s/max(1, theta) [1/s]
 @group(0) @binding(8) var<storage, read>       wall:            array<Wall>;
 @group(0) @binding(9) var<storage, read>       new_velocity:    array<vec4f>;

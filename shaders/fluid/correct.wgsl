@@ -9,9 +9,9 @@ import package::common::{
     clusters::{take_particle, has_none, of_shared, added_up, meet_own_kind},
 };
 
-@group(0) @binding(3) var<storage, read>       predicted:  array<vec4f>;   // xyz [m], w: volume [m^3]
-@group(0) @binding(4) var<storage, read>       multiplier: array<vec2f>;   // kg m^2, lambda, and the part of it that becomes velocity
-@group(0) @binding(5) var<storage, read_write> shift:      array<vec4f>;   // m, of this iteration
+@group(0) @binding(3) var<storage, read>       predicted:  array<vec4f>;       // xyz [m], w: volume [m^3]
+@group(0) @binding(4) var<storage, read>       multiplier: array<vec2f>;       // kg m^2, lambda, and the part of it that becomes velocity
+@group(0) @binding(5) var<storage, read_write> shift:      array<vec4f>;       // m, of this iteration
 @group(0) @binding(6) var<storage, read_write> velocity_shift: array<vec4f>;   // m, what of it becomes velocity; w: lambda times relaxation
 
 var<private> own_index: u32;

@@ -16,9 +16,9 @@ import package::common::{
 
 @group(0) @binding(2) var<storage, read>       predicted: array<vec4f>;   // xyz [m], w: volume [m^3]
 @group(0) @binding(3) var<storage, read>       friction_points:   array<FrictionPoint>;
-@group(0) @binding(5) var<storage, read>       normal_impulses:  array<f32>;     // P [m/s]
-@group(0) @binding(6) var<storage, read_write> shift:     array<vec4f>;   // m, by friction
-@group(0) @binding(7) var<storage, read_write> grip:      array<vec4f>;   // in: before this step [m/s]; out: after it
+@group(0) @binding(5) var<storage, read>       normal_impulses:  array<f32>;   // P [m/s]
+@group(0) @binding(6) var<storage, read_write> shift:     array<vec4f>;        // m, by friction
+@group(0) @binding(7) var<storage, read_write> grip:      array<vec4f>;        // in: before this step [m/s]; out: after it
 
 const SLOWEST: f32 = 1e-15;   // m/s: slower than this a pair sticks
 const LEAST: f32 = 1e-30;     // kg, for points that nothing squeezes

@@ -30,10 +30,10 @@ const LARGEST: f32 = 0.1;
 const FARTHEST: f32 = 0.25;   // d, of the shift
 const BESIDE: f32 = 0.12;     // of the way in a step beside bodies
 
-@group(0) @binding(3) var<storage, read>       predicted:    array<vec4f>;   // xyz [m], w: volume [m^3]
-@group(0) @binding(4) var<storage, read>       new_velocity: array<vec4f>;   // m/s
+@group(0) @binding(3) var<storage, read>       predicted:    array<vec4f>;      // xyz [m], w: volume [m^3]
+@group(0) @binding(4) var<storage, read>       new_velocity: array<vec4f>;      // m/s
 @group(0) @binding(5) var<storage, read>       exchange:     array<Exchange>;   // the deformation is anything where wind blows
-@group(0) @binding(6) var<storage, read_write> shift:        array<vec4f>;   // m
+@group(0) @binding(6) var<storage, read_write> shift:        array<vec4f>;      // m
 @group(0) @binding(7) var<storage, read>       wall:         array<Wall>;
 
 var<private> uneven: vec3f;

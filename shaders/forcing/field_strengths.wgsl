@@ -3,7 +3,7 @@
 import package::common::{params::params, field::{fields, Field}, status::{status, frozen}};
 
 @group(0) @binding(2) var<storage, read>       field_keyframes:   array<vec2f>;   // time [s], strength [m/s]
-@group(0) @binding(3) var<storage, read_write> field_strength: array<f32>;     // m/s
+@group(0) @binding(3) var<storage, read_write> field_strength: array<f32>;        // m/s
 
 fn at(field: Field, time: f32) -> f32 {
     var strength = field_keyframes[field.first_key].y;

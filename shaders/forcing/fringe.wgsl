@@ -13,7 +13,7 @@ import package::common::{
 @group(0) @binding(2) var<storage, read>       position:    array<vec4f>;
 @group(0) @binding(3) var<storage, read>       velocity:    array<vec4f>;
 @group(0) @binding(5) var<storage, read>       fringe_deficit:      array<vec4f>;   // sums over air of `miss` [m/s^2]; w: of sigma [1/s]
-@group(0) @binding(6) var<storage, read_write> wind_change: array<vec4f>;   // m/s, of this step
+@group(0) @binding(6) var<storage, read_write> wind_change: array<vec4f>;           // m/s, of this step
 
 // L: what the air in the fringe lacks of the wind, along the wind. Given to all air, it holds the flow through the box.
 fn wind_deficit() -> vec3f {

@@ -9,7 +9,7 @@
 // it there again.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, tangent},
-    rod::{Strand, Segment, StrandHistory, PointHistory, TIP_HELD, FAILED, SPOILT}, validity::{FAST, within, root_of, in_reach},
+    rod::{Strand, Segment, StrandHistory, PointHistory, TIP_HELD, FAILED, INVALID}, validity::{FAST, within, root_of, in_reach},
     status::{status, frozen, count_bad_strand, finite, finite3, BY_RESET, NO_POINT},
 };
 
@@ -58,7 +58,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if strand_history[s].condition.failed != FAILED {
         let point = invalid(strand, root);
         if point == NO_POINT && strand_history[s].condition.failed == 0u { return; }
-        strand_history[s].condition.failed = SPOILT;
+        strand_history[s].condition.failed = INVALID;
         count_bad_strand(select(point, strand.first_point, point == NO_POINT), BY_RESET);
     }
     var frame = strand_history[s].root.frame;

@@ -49,16 +49,16 @@ var<private> reach: f32;           // m^2, square of the kernel radius
 var<private> own: array<vec3f, 8>; // positions of the cluster's particles [m]
 var<private> low: vec3f;           // the least box around them, where they are in the box of air [m]
 var<private> high: vec3f;
-var<private> members_of: vec2u;     // entries of the cluster itself: the first, and the end
-var<private> full: vec2u;          // of each kind, bit by bit, the stretches that are not empty
-var<private> frame: vec3i;         // boxes by which the cluster is moved to meet others
-var<private> found: u32;           // entries so far
-var<private> middle: u32;          // entry from which on they are of the other kind
-var<private> window: u32;          // entry from which on they are kept
-var<private> element: u32;         // of the list, which the invocation fills
-var<private> filled: u32;          // batches of the element that are full
-var<private> meets: u32;           // whom the invocation's particle meets in them, a byte for each
-var<private> crowded: bool;        // a stretch is too long for what is kept of an entry
+var<private> members_of: vec2u;   // entries of the cluster itself: the first, and the end
+var<private> full: vec2u;         // of each kind, bit by bit, the stretches that are not empty
+var<private> frame: vec3i;        // boxes by which the cluster is moved to meet others
+var<private> found: u32;          // entries so far
+var<private> middle: u32;         // entry from which on they are of the other kind
+var<private> window: u32;         // entry from which on they are kept
+var<private> element: u32;        // of the list, which the invocation fills
+var<private> filled: u32;         // batches of the element that are full
+var<private> meets: u32;          // whom the invocation's particle meets in them, a byte for each
+var<private> crowded: bool;       // a stretch is too long for what is kept of an entry
 
 fn cluster_in_workgroup() -> u32 {
     return local / LANES;

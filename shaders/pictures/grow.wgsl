@@ -15,10 +15,10 @@ struct Hair {
 }
 
 @group(0) @binding(1) var<storage, read>       hair:    array<Hair>;
-@group(0) @binding(2) var<storage, read>       offsets: array<u32>;    // first point of each strand in `keyframes` and `frame`, and the end
-@group(0) @binding(3) var<storage, read>       keyframes:  array<vec4f>;  // points of strands, then of followers [m]
-@group(0) @binding(4) var<storage, read>       frame:   array<vec4f>;  // orientation of the segment that starts there; at a tip, of the clamp
-@group(0) @binding(5) var<storage, read_write> points:  array<vec4f>;  // xyz [m]; w: 0 at the root, 1 at the tip
+@group(0) @binding(2) var<storage, read>       offsets: array<u32>;        // first point of each strand in `keyframes` and `frame`, and the end
+@group(0) @binding(3) var<storage, read>       keyframes:  array<vec4f>;   // points of strands, then of followers [m]
+@group(0) @binding(4) var<storage, read>       frame:   array<vec4f>;      // orientation of the segment that starts there; at a tip, of the clamp
+@group(0) @binding(5) var<storage, read_write> points:  array<vec4f>;      // xyz [m]; w: 0 at the root, 1 at the tip
 
 // The numbers below are chosen by eye.
 

@@ -32,11 +32,11 @@ import package::common::{
 
 const FORM: f32 = 10.0;       // of C_d
 const FRICTION: f32 = 5.4;
-const SLOWEST: f32 = 1e-12;   // m/s: powers of 0 are not portable
-const WAKE: f32 = 1.3;        // kernel radii: b, fitted to fixed strands of 10 to 1000 fibres
-const OWN_WAKE: f32 = 1.1;    // most that a fibre is taken to have slowed the air at it: below 1 cm/s there is no wake
+const SLOWEST: f32 = 1e-12;      // m/s: powers of 0 are not portable
+const WAKE: f32 = 1.3;           // kernel radii: b, fitted to fixed strands of 10 to 1000 fibres
+const OWN_WAKE: f32 = 1.1;       // most that a fibre is taken to have slowed the air at it: below 1 cm/s there is no wake
 const STORMY: f32 = 1.0 / 3.0;   // dt w D_n
-const LENGTHS: f32 = 8.0;     // of the strand, that the air passes by in a step: beyond, its drag has no direction
+const LENGTHS: f32 = 8.0;        // of the strand, that the air passes by in a step: beyond, its drag has no direction
 
 // Drag of a segment, half of it on each of its points: D = across (1 - t t^T) + along t t^T.
 struct Load {

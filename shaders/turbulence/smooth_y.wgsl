@@ -10,7 +10,7 @@ import package::common::{
 @group(0) @binding(4) var<storage, read>       smooth_x:           array<vec4f>;
 @group(0) @binding(5) var<storage, read>       curvature:          array<vec4f>;
 @group(0) @binding(6) var<storage, read_write> smooth_xy:           array<vec4f>;   // G: xyz [m^4/s]; w [m^3]
-@group(0) @binding(7) var<storage, read_write> curvature_xy: array<vec4f>;   // C: xyz [m^2/s]
+@group(0) @binding(7) var<storage, read_write> curvature_xy: array<vec4f>;          // C: xyz [m^2/s]
 
 var<private> gauss: vec4f;
 var<private> curve: vec4f;

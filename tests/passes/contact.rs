@@ -444,9 +444,8 @@ fn air_is_that_of_the_reference() {
             relative(&fixture.vectors(&s.new_velocity)[air.clone()], &v_wanted, 1.0),
         ];
         println!("{n} particles, step {steps}: {pushed} pushed, off by {:.1e} and {:.1e}", errors[0], errors[1]);
-        // Measured 1.4e-7 and 1.1e-6, and 2.2e-4 beside meshes, whose normals change from cell to cell; margin 4.
-        let rough = scene.bodies[0].shape.solid().is_some();
-        assert!(errors[0] < 6e-7 && errors[1] < if rough { 9e-4 } else { 5e-6 }, "{n}: {errors:?}");
+        // Measured 5.4e-7 and 1.4e-6; margin 4.
+        assert!(errors[0] < 2.2e-6 && errors[1] < 5.6e-6, "{n}: {errors:?}");
         assert!(n < 63 || pushed > 4, "nothing is pushed");
     }
 }

@@ -9,7 +9,7 @@ use windswept_scene::{Force, ForceField, Gust, Inflow, InitialState, Keyframe, M
 use windswept_shaders::{
     self as shaders,
     common::{
-        rod::{FAILED, SPOILT},
+        rod::{FAILED, INVALID},
         status::STRAND_RESET,
     },
 };
@@ -233,7 +233,9 @@ fn reset_is_that_of_the_reference() {
                 8 => orientation[s.hair.segments(strand).start][1] = value,
                 _ => {}
             }
-            wanted.push([SPOILT, SPOILT, SPOILT, SPOILT, SPOILT, SPOILT, SPOILT, FAILED, SPOILT, 0][strand / 3 % 10]);
+            wanted.push(
+                [INVALID, INVALID, INVALID, INVALID, INVALID, INVALID, INVALID, FAILED, INVALID, 0][strand / 3 % 10],
+            );
             s.failed[strand] = wanted[strand] == FAILED;
         }
         fixture.engine.write(&state.position, &position).unwrap();

@@ -354,9 +354,9 @@ fn a_callers_device_and_encoder_give_the_same_bits() {
     let mut simulation = Simulation::with_state(&gpu, &windy(), brush(3)).unwrap();
     for _ in 0..4 {
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        simulation.record(&mut encoder, 5);
+        simulation.encode_steps(&mut encoder, 5);
         queue.submit([encoder.finish()]);
-        simulation.settle().unwrap();
+        simulation.finish_steps().unwrap();
     }
     assert_eq!(simulation.steps(), 20);
     // `step` works on it too, timed batches included, though this device has no timestamps.
@@ -376,9 +376,9 @@ fn steps_behind_a_frozen_one_do_nothing() {
     let grown = |steps| {
         let mut simulation = Simulation::with_state(&gpu, &support::scene(), initial.clone()).unwrap();
         let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-        simulation.record(&mut encoder, steps);
+        simulation.encode_steps(&mut encoder, steps);
         queue.submit([encoder.finish()]);
-        simulation.settle().unwrap();
+        simulation.finish_steps().unwrap();
         assert_eq!(simulation.steps(), 0, "a frozen step was committed");
         let ids = simulation.engine().slots().unwrap();
         assert!(ids.ids().iter().copied().eq(0..simulation.engine().sizes().air()), "air has changed its slots");
@@ -406,9 +406,9 @@ fn a_recorded_step_takes_the_substeps_that_are_left() {
     let substeps = |simulation: &Simulation| simulation.engine().status().unwrap().step;
     assert_eq!((simulation.steps(), substeps(&simulation)), (0, 1));
     let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-    simulation.record(&mut encoder, 2);
+    simulation.encode_steps(&mut encoder, 2);
     gpu.queue().submit([encoder.finish()]);
-    simulation.settle().unwrap();
+    simulation.finish_steps().unwrap();
     assert_eq!((simulation.steps(), substeps(&simulation)), (2, 6));
     let own = with_texts_of(&simulation, &scene, &brush(3), 2);
     assert!(simulation.frame().unwrap() == own.frame().unwrap());

@@ -6,7 +6,7 @@ use windswept::{
     gpu::wgpu::{CommandEncoderDescriptor, DeviceDescriptor},
 };
 use windswept_scene::{Model, Scene};
-use windswept_shaders::common::rod::SPOILT;
+use windswept_shaders::common::rod::INVALID;
 
 use crate::{brush, support, windy, with_model};
 
@@ -300,9 +300,9 @@ fn what_a_caller_gives_is_looked_at() {
     // The first try finds the strand, and no pass that mends it.
     for done in [0, 1] {
         let mut encoder = device.create_command_encoder(&CommandEncoderDescriptor::default());
-        simulation.record(&mut encoder, 1);
+        simulation.encode_steps(&mut encoder, 1);
         gpu.queue().submit([encoder.finish()]);
-        simulation.settle().unwrap();
+        simulation.finish_steps().unwrap();
         assert_eq!(simulation.steps(), done);
     }
     let [reset] = simulation.resets() else { panic!("{:?}", simulation.resets()) };
@@ -324,7 +324,7 @@ fn place(simulation: &Simulation) -> usize {
 fn spoil(simulation: &Simulation) {
     let engine = simulation.engine();
     let mut strands = engine.read(&engine.state().strand_history).unwrap();
-    strands[VICTIM].condition.failed = SPOILT;
+    strands[VICTIM].condition.failed = INVALID;
     engine.write(&engine.state().strand_history, &strands).unwrap();
 }
 

@@ -78,7 +78,7 @@ rods = { solver = \"gauss-seidel\", integrator = \"euler\", sleep = false }
 ";
 
 /// Scene with the paper's parameters, without hair, in still air; hair that a test puts in is one fluid with the air.
-/// Its box is that of the particles which a test puts in.
+/// The box of its air is that of the particles which a test puts in.
 pub fn scene() -> Scene {
     let scene = Scene::parse(PLAIN).unwrap();
     let air = scene.air.clone().map(|air| Air { bounds: None, ..air });

@@ -1,4 +1,4 @@
-//! The f64 reference of the step on the CPU, with the names and the nine stages of the engine's step. It needs no GPU.
+//! The f64 reference of the step on the CPU, with the names and the eight stages of the engine's step. It needs no GPU.
 //!
 //! The reference is written from the equations, with other data structures than the engine's (no cells, no sorted
 //! particles, no cut-off grid), so that the two cannot share a mistake. [`step::step`] runs the stages in order. Each

@@ -20,8 +20,8 @@
 //! * `… Derived("what happens") => |reader| value;` where the value follows from other keys when the file does not say;
 //!   fields above are in scope.
 //! * `pub struct Name, checked by Name::checked { … }` where keys must fit together; the function takes the struct and
-//!   the reader, and may settle what the keys say together.
-//! * `without a field { … }` after the struct for keys that `checked` looks at or that are not built.
+//!   the reader, and may derive values from several keys.
+//! * `without a field { … }` after the struct for keys that `checked` looks at.
 
 use toml_edit::Value as Toml;
 

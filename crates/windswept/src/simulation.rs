@@ -250,7 +250,7 @@ impl Simulation {
                 self.engine.run(&self.program, left.min(self.batch()))?;
                 None
             };
-            self.settle()?;
+            self.finish_steps()?;
             self.record_time(started.elapsed().as_secs_f64() * 1e3, before, timed.is_some());
             // A step that froze was done in part.
             if let Some((profile, spans)) = timed.filter(|_| self.last.step > before) {
@@ -263,9 +263,9 @@ impl Simulation {
     }
 
     /// Encodes `n` steps of Δt into the caller's encoder, beside the caller's own work. Of a step that is done in part,
-    /// as one of which a substep froze, those substeps are encoded that it lacks. Call [`Self::settle`] after the
+    /// as one of which a substep froze, those substeps are encoded that it lacks. Call [`Self::finish_steps`] after the
     /// submit, and before the next call.
-    pub fn record(&self, encoder: &mut wgpu::CommandEncoder, n: u64) {
+    pub fn encode_steps(&self, encoder: &mut wgpu::CommandEncoder, n: u64) {
         let goal = self.steps.saturating_add(n).saturating_mul(self.substeps());
         for _ in self.last.step.into()..goal {
             self.program.encode(encoder);
@@ -279,7 +279,7 @@ impl Simulation {
     ///
     /// # Errors
     /// [`RunError`] names what ended the run.
-    pub fn settle(&mut self) -> Result<(), RunError> {
+    pub fn finish_steps(&mut self) -> Result<(), RunError> {
         let status = self.engine.status()?;
         let step = u64::from(status.step) / self.substeps();
         self.note_resets(&status);

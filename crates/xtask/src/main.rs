@@ -71,9 +71,7 @@ fn main() -> ExitCode {
         ["stress", ref rest @ ..] => bench::stress(rest),
         ["mutants", ref rest @ ..] => mutants::test(rest),
         ["package"] => package::build(),
-        ["new", "pass", name] => new::pass(name),
-        ["new", "key", name] => new::key(name),
-        ["new", "format", name] => new::format(name),
+        ["new", kind, name] => new::write(kind, name),
         ["help" | "-h" | "--help"] => {
             println!("{USAGE}");
             return ExitCode::SUCCESS;

@@ -5,16 +5,44 @@ use std::fs;
 
 use crate::{Result, root};
 
-/// A text to add to a file.
+/// A text, the file that it goes into, and its place there.
 struct Place {
     path: String,
-    /// The added text goes before the end of the part that begins here; at the end of the file if there is none.
-    inside: Option<(&'static str, &'static str)>,
+    at: At,
     text: String,
 }
 
-/// Writes a pass of a stage: shader, line of the step, reference function, comparison.
-pub(crate) fn pass(name: &str) -> Result {
+/// Place of a text in a file.
+enum At {
+    /// The whole of a new file.
+    New,
+    /// The end of the file.
+    End,
+    /// Before the second text, behind the first.
+    Inside(String, &'static str),
+}
+
+/// Writes the skeleton of a `pass`, a `key` or a `format`.
+pub(crate) fn write(kind: &str, name: &str) -> Result {
+    let written = filled(&places(kind, name)?)?;
+    for (path, text) in written {
+        fs::write(root().join(&path), text).map_err(|error| format!("{path}: {error}"))?;
+        println!("{path}");
+    }
+    Ok(())
+}
+
+fn places(kind: &str, name: &str) -> Result<Vec<Place>> {
+    match kind {
+        "pass" => pass(name),
+        "key" => key(name),
+        "format" => format(name),
+        other => Err(format!("new {other}: expected pass, key or format")),
+    }
+}
+
+/// A pass of a stage: shader, line of the step, reference function, comparison.
+fn pass(name: &str) -> Result<Vec<Place>> {
     let (stage, pass) = named(name, '/', "STAGE/NAME")?;
     let step = format!("crates/windswept/src/step/{stage}.rs");
     if !root().join(&step).exists() {
@@ -55,20 +83,20 @@ fn {pass}_is_that_of_the_reference() {{
 }}
 "
     );
-    write_all(&[
-        Place { path: format!("shaders/{stage}/{pass}.wgsl"), inside: None, text: shader },
+    Ok(vec![
+        Place { path: format!("shaders/{stage}/{pass}.wgsl"), at: At::New, text: shader },
         Place {
             path: step,
-            inside: Some(("\npub fn record(", "\n}\n")),
+            at: At::Inside("\npub fn record(".to_owned(), "\n}\n"),
             text: format!("\n    r.run(&windswept_shaders::{stage}::{upper}, \"{pass}\", plan.sizes.particles);"),
         },
-        Place { path: format!("crates/windswept-reference/src/{stage}.rs"), inside: None, text: reference },
-        Place { path: format!("tests/passes/{stage}.rs"), inside: None, text: test },
+        Place { path: format!("crates/windswept-reference/src/{stage}.rs"), at: At::End, text: reference },
+        Place { path: format!("tests/passes/{stage}.rs"), at: At::End, text: test },
     ])
 }
 
-/// Writes a key of a scene that a shader reads: declaration, parameter in WGSL and in Rust, test.
-pub(crate) fn key(name: &str) -> Result {
+/// A key of a scene that a shader reads: declaration, parameter in WGSL and in Rust, test.
+fn key(name: &str) -> Result<Vec<Place>> {
     let (table, key) = named(name, '.', "TABLE.NAME")?;
     let declared = ["scene.rs", "scene/rods.rs", "scene/turbulence.rs", "scene/viscosity.rs"];
     let heading = format!("/// `[{table}]`");
@@ -86,28 +114,28 @@ fn {table}_{key}_does_what_it_says() {{
 }}
 "
     );
-    write_all(&[
+    Ok(vec![
         Place {
             path: file,
-            inside: Some((leaked(heading), "\n    }\n")),
+            at: At::Inside(heading, "\n    }\n"),
             text: format!("\n        /// Say what it is.\n        {key}: f64 = NonNegative, \"\", Value(0.0);"),
         },
         Place {
             path: "shaders/common/params.wgsl".to_owned(),
-            inside: Some(("struct Params", "\n}\n")),
+            at: At::Inside("struct Params".to_owned(), "\n}\n"),
             text: format!("\n    {table}_{key}: f32,   // say what it is, with its unit"),
         },
         Place {
             path: "crates/windswept/src/upload/params.rs".to_owned(),
-            inside: Some(("let mut params = Params {", "\n        ..Params::default()")),
+            at: At::Inside("let mut params = Params {".to_owned(), "\n        ..Params::default()"),
             text: format!("\n        {table}_{key}: scene.{table}.{key} as f32,"),
         },
-        Place { path: "crates/windswept-scene/tests/format.rs".to_owned(), inside: None, text: test },
+        Place { path: "crates/windswept-scene/tests/format.rs".to_owned(), at: At::End, text: test },
     ])
 }
 
-/// Writes a format of frames: its sink, its row of the table, test.
-pub(crate) fn format(name: &str) -> Result {
+/// A format of frames: its sink, its row of the table, test.
+fn format(name: &str) -> Result<Vec<Place>> {
     if !is_word(name) {
         return Err(format!("{name}: expected a word of small letters, digits and _"));
     }
@@ -148,22 +176,22 @@ fn another_program_reads_{name}() {{
 }}
 "
     );
-    write_all(&[
-        Place { path: format!("crates/windswept-export/src/{name}.rs"), inside: None, text: sink },
+    Ok(vec![
+        Place { path: format!("crates/windswept-export/src/{name}.rs"), at: At::New, text: sink },
         Place {
             path: "crates/windswept-export/src/lib.rs".to_owned(),
-            inside: Some(("\nmod folder;", "\n")),
+            at: At::Inside("\nmod folder;".to_owned(), "\n"),
             text: format!("\nmod {name};"),
         },
         Place {
             path: "crates/windswept-export/src/sink.rs".to_owned(),
-            inside: Some(("pub const FORMATS", "\n];")),
+            at: At::Inside("pub const FORMATS".to_owned(), "\n];"),
             text: format!(
                 "\n    Format {{\n        name: \"{name}\",\n        writes: \"say what\",\n        files: &[\"film.{name}\"],\n        \
                  made_again: true,\n        create: |start| Ok(Box::new(crate::{name}::Film::new(start))),\n    }},"
             ),
         },
-        Place { path: format!("crates/windswept-export/tests/{name}.rs"), inside: None, text: test },
+        Place { path: format!("crates/windswept-export/tests/{name}.rs"), at: At::New, text: test },
     ])
 }
 
@@ -178,35 +206,51 @@ fn is_word(word: &str) -> bool {
         && word.chars().all(|c| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '_')
 }
 
-/// The text for as long as the program runs, which is short.
-fn leaked(text: String) -> &'static str {
-    text.leak()
+/// The files with their texts added, by their paths; an error where one does not fit.
+fn filled(places: &[Place]) -> Result<Vec<(String, String)>> {
+    let fill = |Place { path, at, text }: &Place| {
+        let before = fs::read_to_string(root().join(path));
+        let whole = match (before, at) {
+            (Ok(_), At::New) => return Err(format!("{path} is there already")),
+            (Err(_), At::New) => text.clone(),
+            (Err(error), _) => return Err(format!("{path}: {error}")),
+            (Ok(before), At::End) => before + text,
+            (Ok(before), At::Inside(start, end)) => {
+                let missing = || format!("{path} has no `{}`, or no end of it", start.trim());
+                let (head, rest) = before.split_once(start.as_str()).ok_or_else(missing)?;
+                let (inside, tail) = rest.split_once(*end).ok_or_else(missing)?;
+                format!("{head}{start}{inside}{text}{end}{tail}")
+            }
+        };
+        Ok((path.clone(), whole))
+    };
+    places.iter().map(fill).collect()
 }
 
-/// Adds all texts, or none where one does not fit.
-fn write_all(places: &[Place]) -> Result {
-    let mut written = Vec::new();
-    for Place { path, inside, text } in places {
-        let file = root().join(path);
-        let whole = match (fs::read_to_string(&file), inside) {
-            (Err(_), None) => text.clone(),
-            (Ok(_), None) if path.starts_with("shaders/") || path.contains("windswept-export/") => {
-                return Err(format!("{path} is there already"));
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every skeleton finds its places in the tree as it is, and each text is added once.
+    #[test]
+    fn skeletons_fit_the_tree() {
+        for (kind, name, count) in [("pass", "fluid/dummy", 4), ("key", "rods.dummy", 4), ("format", "dummy", 4)] {
+            let places = places(kind, name).unwrap_or_else(|error| panic!("{kind}: {error}"));
+            let files = filled(&places).unwrap_or_else(|error| panic!("{kind}: {error}"));
+            assert_eq!(files.len(), count);
+            for (place, (path, text)) in places.iter().zip(&files) {
+                assert_eq!(text.matches(&place.text).count(), 1, "{path}");
             }
-            (Ok(before), None) => before + text,
-            (Ok(before), Some((start, end))) => {
-                let at =
-                    before.find(start).and_then(|at| Some(at + start.len() + before[at + start.len()..].find(end)?));
-                let at = at.ok_or_else(|| format!("{path} has no `{}`", start.trim()))?;
-                format!("{}{text}{}", &before[..at], &before[at..])
-            }
-            (Err(error), Some(_)) => return Err(format!("{path}: {error}")),
-        };
-        written.push((path, file, whole));
+        }
+        for (kind, name, words) in [
+            ("pass", "flow/dummy", "no stage is called flow"),
+            ("pass", "fluid/density", "is there already"),
+            ("key", "dummy.key", "no table [dummy]"),
+            ("format", "Bad name", "expected a word"),
+            ("shader", "dummy", "expected pass, key or format"),
+        ] {
+            let refused = places(kind, name).and_then(|places| filled(&places)).err().unwrap_or_default();
+            assert!(refused.contains(words), "{kind} {name}: {refused}");
+        }
     }
-    for (path, file, whole) in written {
-        fs::write(&file, whole).map_err(|error| format!("{path}: {error}"))?;
-        println!("{path}");
-    }
-    Ok(())
 }

@@ -50,9 +50,9 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
             ("in submits of 7 steps", &|mut simulation| {
                 while simulation.steps() < STEPS {
                     let mut encoder = gpu.device().create_command_encoder(&Default::default());
-                    simulation.record(&mut encoder, 7.min(STEPS - simulation.steps()));
+                    simulation.encode_steps(&mut encoder, 7.min(STEPS - simulation.steps()));
                     gpu.queue().submit([encoder.finish()]);
-                    simulation.settle()?;
+                    simulation.finish_steps()?;
                 }
                 Ok(simulation)
             }),

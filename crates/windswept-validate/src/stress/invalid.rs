@@ -1,7 +1,7 @@
 //! A value in the buffers that is not finite, or absurd: its strand alone is reset.
 
 use windswept::{Gpu, Simulation};
-use windswept_shaders::common::rod::SPOILT;
+use windswept_shaders::common::rod::INVALID;
 
 use super::{COUPLINGS, Extent, Sweep, TUFT, USUAL, differing_bytes, points, reason, scene, stretch};
 use crate::Error;
@@ -74,7 +74,7 @@ fn spoil(simulation: &Simulation, array: Spoilt, value: f32) -> Result<(), Error
 fn reset(simulation: &Simulation) -> Result<(), Error> {
     let engine = simulation.engine();
     let mut strands = engine.read(&engine.state().strand_history)?;
-    strands[STRAND].condition.failed = SPOILT;
+    strands[STRAND].condition.failed = INVALID;
     Ok(engine.write(&engine.state().strand_history, &strands)?)
 }
 

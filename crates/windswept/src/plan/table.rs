@@ -24,7 +24,7 @@ pub struct PlanRow {
     pub stage: &'static str,
     /// The pass, `folder/name`.
     pub pass: &'static str,
-    /// Its purpose, in a few words.
+    /// Purpose of the pass, in a few words.
     pub label: &'static str,
     /// Which of `turbulence.bands` it is for.
     pub band: Option<usize>,
@@ -73,7 +73,7 @@ pub struct BufferRow {
     /// Size of the texture that a software adapter that reads storage buffers slowly has besides for this buffer, and
     /// perhaps for smaller ones; 0 if for none \[bytes\].
     pub texture_bytes: u64,
-    /// Its content, with the unit.
+    /// Content of the array, with the unit.
     pub doc: &'static str,
 }
 

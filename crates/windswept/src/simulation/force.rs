@@ -53,7 +53,7 @@ impl Simulation {
 
     /// Sets a force by a function that is called before each step of Δt with the state as it is then, and returns the
     /// accelerations of that step, as [`Self::set_force`] takes them. It is called by [`Self::step`] and
-    /// [`Self::step_timed`], not by [`Self::record`].
+    /// [`Self::step_timed`], not by [`Self::encode_steps`].
     ///
     /// ```no_run
     /// use windswept::{Accelerations, Simulation, glam::DVec3};

@@ -57,6 +57,6 @@ impl Simulation {
         if self.engine.evaluate(|r| step::record_quantity(r, plan, quantity))? {
             self.record_again()?;
         }
-        self.settle()
+        self.finish_steps()
     }
 }

@@ -3,7 +3,7 @@
 
 use glam::{DVec3, Vec3};
 use windswept_shaders::common::{
-    rod::{FAILED, SPOILT},
+    rod::{FAILED, INVALID},
     status::{NON_FINITE_AIR, STRAND_RESET, Status, TOO_MANY_BAD_STRANDS},
 };
 
@@ -36,7 +36,7 @@ impl Simulation {
         let (mut histories, found) = (self.engine.read(&s.strand_history)?, self.engine.read(&s.rod_strands)?);
         let mut bad = Vec::new();
         for ((strand, history), found) in (0_u32..).zip(&mut histories).zip(found) {
-            if found.condition.failed != 0 || history.condition.failed == SPOILT {
+            if found.condition.failed != 0 || history.condition.failed == INVALID {
                 history.condition.failed = FAILED;
                 bad.push(strand);
             }

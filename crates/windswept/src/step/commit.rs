@@ -15,19 +15,19 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     r.run(&commit::CHECK, "is all finite", n.particles).bind("final_velocity", &velocity);
     r.when(&plan.hair, |r| {
         r.run(&commit::FRAMES, "commit orientations", n.segments);
-        r.run(&commit::HAIR, "commit what hair remembers", n.hair_points).bind("final_velocity", &velocity);
+        r.run(&commit::HAIR, "commit the history of hair", n.hair_points).bind("final_velocity", &velocity);
     });
     r.when(&plan.bodies.and(plan.hair.clone()), |r| {
         r.run(&commit::CONTACTS, "commit contacts with bodies", n.contacts());
     });
     r.when(&plan.bodies.and(plan.air.clone()), |r| {
-        r.run(&commit::BODIES, "commit what air gave bodies", n.bodies);
+        r.run(&commit::BODIES, "commit impulses on bodies", n.bodies);
     });
     r.when(&plan.air, |r| {
         r.run(&commit::AIR, "commit air in the order of cells", n.air()).bind("final_velocity", &velocity);
     });
     r.when(&plan.divergence, |r| {
-        r.run(&commit::PRESSURE, "commit what pressure did", n.particles);
+        r.run(&commit::PRESSURE, "commit pressures", n.particles);
     });
     r.run(&commit::STATE, "commit hair, and count the step", n.hair_points.max(1)).bind("final_velocity", &velocity);
 }

@@ -14,7 +14,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
         r.when(&plan.air, |r| {
             let (n, s) = (&plan.sizes, r.state());
             r.run(&contact::AIR, "air flows around bodies", n.air());
-            r.run(&contact::BODY_IMPULSE, "what air gives each body", n.bodies * CHUNKS * WORKGROUP)
+            r.run(&contact::BODY_IMPULSE, "impulse of air on each body", n.bodies * CHUNKS * WORKGROUP)
                 .bind("partial_sum", &s.partial_by_body);
             r.run(&reduce::BY_BODY, "totals of each body", n.bodies)
                 .bind("partial_sum", &s.partial_by_body)

@@ -32,10 +32,10 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     });
     let shift = r.state().shift;
     r.when(&plan.friction, |r| {
-        r.run(&fluid::SLIP, "how hair would slip", n.hair_points);
-        r.dispatch_neighbours(&fluid::NORMAL_IMPULSE, "how hard strands are squeezed", n.clusters_of_hair());
+        r.run(&fluid::SLIP, "slip of hair", n.hair_points);
+        r.dispatch_neighbours(&fluid::NORMAL_IMPULSE, "normal impulses between strands", n.clusters_of_hair());
         r.dispatch_neighbours(&fluid::FRICTION, "friction of hair on hair", n.clusters_of_hair());
-        r.run(&fluid::MOVE, "apply what friction moves", n.hair_points).bind("velocity_shift", &shift);
+        r.run(&fluid::MOVE, "apply the move by friction", n.hair_points).bind("velocity_shift", &shift);
     });
     r.when(&plan.density_alone, |r| density(r, plan.constrained_clusters()));
     r.when(&plan.pbf, |r| {
@@ -49,7 +49,7 @@ pub fn record_density(r: &mut Recorder<'_>, plan: &Plan) {
     r.stage("fluid");
     r.when(&plan.neighbours, |r| density(r, plan.sizes.clusters_of_all()));
     r.when(&plan.bodies.and(plan.air.clone()), |r| {
-        r.run(&fluid::SOLID, "what bodies take of the kernel", plan.sizes.air());
+        r.run(&fluid::SOLID, "part of the kernel in bodies", plan.sizes.air());
     });
 }
 
@@ -73,7 +73,7 @@ fn pressure(r: &mut Recorder<'_>, plan: &Plan) {
         r.run(&fluid::PATH, "air beside bodies goes by its mean velocity", n.air());
     });
     r.when(&plan.pressed_hair, |r| {
-        r.run(&fluid::IMPULSE, "what pressure gives hair", n.hair_points);
+        r.run(&fluid::IMPULSE, "impulse of pressure on hair", n.hair_points);
     });
 }
 
@@ -118,13 +118,11 @@ fn on_coarse_grid(r: &mut Recorder<'_>, plan: &Plan) {
     for (axis, pair) in plan.coarse_axes.into_iter().zip(pairs.iter().rev().cycle()) {
         wave(r, plan, "back along an axis", axis, *pair);
     }
-    r.run(&fluid::COARSE_GATHER, "what the coarse pressure changes", n.air())
-        .bind("mesh", &mesh)
-        .bind("nodes", &s.coarse);
-    r.run(&reduce::CHANGES, "sums of what it changes", n.air().div_ceil(TERMS)).bind("changes", &s.coarse_change);
-    r.run(&reduce::TOTAL, "totals of what it changes", ONE_WORKGROUP).bind("totals", &s.coarse_total);
+    r.run(&fluid::COARSE_GATHER, "change by the coarse pressure", n.air()).bind("mesh", &mesh).bind("nodes", &s.coarse);
+    r.run(&reduce::CHANGES, "sums of the change", n.air().div_ceil(TERMS)).bind("changes", &s.coarse_change);
+    r.run(&reduce::TOTAL, "totals of the change", ONE_WORKGROUP).bind("totals", &s.coarse_total);
     r.when(&plan.walls, |r| {
-        r.run(&fluid::COARSE_SOLID, "what it would change bodies by", n.bodies * CHUNKS * WORKGROUP)
+        r.run(&fluid::COARSE_SOLID, "change of bodies, if they were air", n.bodies * CHUNKS * WORKGROUP)
             .bind("mesh", &mesh)
             .bind("nodes", &s.coarse)
             .bind("partial_sum", &s.partial_by_body);

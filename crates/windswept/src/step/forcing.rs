@@ -24,8 +24,8 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     });
     r.when(&plan.wind, |r| {
         r.when(&plan.fringe, |r| {
-            r.run(&forcing::FRINGE_DEFICIT, "what the fringe misses of the wind", n.air().div_ceil(TERMS));
-            r.run(&reduce::TOTAL, "what all of it misses", ONE_WORKGROUP).bind("totals", &fringe_deficit);
+            r.run(&forcing::FRINGE_DEFICIT, "deficit of the wind in the fringe", n.air().div_ceil(TERMS));
+            r.run(&reduce::TOTAL, "total deficit", ONE_WORKGROUP).bind("totals", &fringe_deficit);
         });
         r.run(&forcing::FRINGE, "wind enters", n.air());
     });
@@ -73,6 +73,6 @@ pub fn record_bodies(r: &mut Recorder<'_>, plan: &Plan) {
 pub fn record_walls(r: &mut Recorder<'_>, plan: &Plan) {
     r.stage("forcing");
     r.when(&plan.walls, |r| {
-        r.run(&forcing::WALLS, "walls that bodies are to air", plan.sizes.particles);
+        r.run(&forcing::WALLS, "walls of bodies to air", plan.sizes.particles);
     });
 }

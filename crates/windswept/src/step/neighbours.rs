@@ -45,7 +45,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     r.when(&plan.neighbours, |r| {
         let sorted = r.state().sorted;
         sort(r, Index::new(0), &plan.sort, &sorted);
-        r.dispatch_neighbours(&neighbours::LIST, "who is near whom", plan.sizes.clusters_of_all());
+        r.dispatch_neighbours(&neighbours::LIST, "neighbours", plan.sizes.clusters_of_all());
     });
 }
 

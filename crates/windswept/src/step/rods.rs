@@ -9,7 +9,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     r.stage("rods");
     let n = &plan.sizes;
     r.when(&plan.hair, |r| {
-        r.run(&rods::BEGIN, "what hair points start from", n.hair_points);
+        r.run(&rods::BEGIN, "start of hair points", n.hair_points);
         r.when(&plan.exchange, |r| {
             r.dispatch_neighbours(&rods::SAMPLE_AIR, "the air at hair points", n.clusters_of_hair());
         });
@@ -38,7 +38,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
             });
         });
         r.run(&rods::UPDATE, "hair goes where its rods took it", n.strands);
-        r.run(&rods::DRAG_IMPULSE, "what drag gave hair", n.hair_points);
+        r.run(&rods::DRAG_IMPULSE, "impulse of drag on hair", n.hair_points);
         r.when(&plan.pushes, |r| {
             r.run(&rods::EXCLUDE_PUSH, "the force that was set is no drag", n.hair_points);
         });

@@ -56,7 +56,7 @@ pub fn record_band(r: &mut Recorder<'_>, plan: &Plan) {
 /// The direct filter takes the order of the neighbour search, and where its particles are by now.
 fn prepare_direct(r: &mut Recorder<'_>, plan: &Plan) {
     r.run(&turbulence::LOCATE, "where sorted particles are now", plan.sizes.particles);
-    r.run(&turbulence::WEIGH, "what the filter sums", plan.sizes.particles);
+    r.run(&turbulence::WEIGH, "terms of the filter", plan.sizes.particles);
 }
 
 fn filter(r: &mut Recorder<'_>, plan: &Plan, band: &BandPlan) {
@@ -77,7 +77,7 @@ fn grid(r: &mut Recorder<'_>, plan: &Plan, band: &BandPlan) {
     let (params, mesh) = (s.params.at(band.cells), s.mesh.at(axis));
     r.when(&band.deposit, |r| {
         neighbours::sort(r, band.cells, &band.sort, &s.flow_sorted);
-        r.run(&turbulence::WEIGH, "what the filter sums", plan.sizes.air())
+        r.run(&turbulence::WEIGH, "terms of the filter", plan.sizes.air())
             .bind("params", &params)
             .bind("sorted", &s.flow_sorted);
         r.run(&turbulence::DEPOSIT, "air onto the filter's grid", band.blocks).bind("mesh", &mesh);

@@ -9,7 +9,7 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     r.stage("viscosity");
     let n = &plan.sizes;
     r.when(&plan.limiter, |r| {
-        r.dispatch_neighbours(&viscosity::LIMIT, "what XSPH may exchange", plan.limited_clusters.clone());
+        r.dispatch_neighbours(&viscosity::LIMIT, "limit of the exchange", plan.limited_clusters.clone());
     });
     r.when(&plan.viscosity, |r| {
         r.dispatch_neighbours(&viscosity::XSPH, "XSPH viscosity", n.clusters_of_all());
