@@ -6,7 +6,7 @@ import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, cells::{is_air, cell_of, in_box},
     validity::can_be,
     status::{
-        status, freeze, NEIGHBOUR_OVERFLOW, NON_FINITE_AIR, TOO_MANY_BAD_STRANDS, UNRECOVERED_STRAND,
+        status, freeze, NEIGHBOUR_OVERFLOW, NON_FINITE_AIR, TOO_MANY_FAILED_STRANDS, UNRECOVERED_STRAND,
     },
 };
 
@@ -31,7 +31,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     // the step is taken again whatever else there is to find.
     if (atomicLoad(&status.causes) & (NEIGHBOUR_OVERFLOW | UNRECOVERED_STRAND)) != 0u { return; }
     if i == 0u && atomicLoad(&status.failed_strands) > params.failed_strand_limit {
-        freeze(TOO_MANY_BAD_STRANDS);
+        freeze(TOO_MANY_FAILED_STRANDS);
     }
     if outside {
         atomicAdd(&status.hair_outside, 1u);

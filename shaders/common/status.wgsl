@@ -4,7 +4,7 @@
 
 const NEIGHBOUR_OVERFLOW: u32 = 1u;   // the list is too short: grow and replay
 const NON_FINITE_AIR: u32 = 2u;       // replay with the passes that recover strands; if they ran, the run ends
-const TOO_MANY_BAD_STRANDS: u32 = 4u; // the same
+const TOO_MANY_FAILED_STRANDS: u32 = 4u; // the same
 const UNRECOVERED_STRAND: u32 = 8u;      // a strand is bad or lost: replay with the passes that recover it
 
 const STRAND_RESET: u32 = 0u;          // a non-finite strand goes back to its rest pose

@@ -131,9 +131,9 @@ fn slow(p: u32, contact: Contact) {
     if (contact.state & LIVE) == 0u || rod_points[p].effective_inverse_mass == 0.0 { return; }
     let point = rod_points[p];
     let sticks = (contact.state & SLIDES) == 0u && contact.grip > 0.0;
-    let previous_move = point.displacement - point.previous_move;
+    let change = point.displacement - point.previous_move;
     let faster = point.displacement / params.step - point.velocity;
-    rod_points[p].previous_move += select(dot(previous_move, contact.normal) * contact.normal, previous_move, sticks);
+    rod_points[p].previous_move += select(dot(change, contact.normal) * contact.normal, change, sticks);
     rod_points[p].velocity += select(dot(faster, contact.normal) * contact.normal, faster, sticks);
 }
 

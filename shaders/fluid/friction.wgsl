@@ -9,7 +9,7 @@
 // et al. 2014, eq. 24), with the constraint's own impulse p for the depth. The grip g is the spring of Cundall & Strack
 // (1979), kept by points instead of pairs: it holds what sticks where it is, and what slides lets go of it.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, status::frozen, lanes::Near, pairs::Pair, rub::{FrictionPoint, pressed},
+    params::params, dispatch::{invocation, WORKGROUP}, status::frozen, lanes::Near, pairs::Pair, friction_point::{FrictionPoint, pressed},
     clusters::{take_particle, has_no_hair, of_shared, added_up, meet_own_kind}, own_strand::{Points, points_with, holds},
     page::of_page,
 };

@@ -1,7 +1,7 @@
 // How hard the density constraint squeezes a hair point between the points of other strands: P_i = w_i sum_j p_ij
 // [m/s].
 import package::common::{
-    params::params, dispatch::WORKGROUP, lanes::Near, pairs::Pair, rub::{FrictionPoint, pressed},
+    params::params, dispatch::WORKGROUP, lanes::Near, pairs::Pair, friction_point::{FrictionPoint, pressed},
     clusters::{take_particle, has_no_hair, of_shared, added_up, meet_own_kind}, own_strand::{Points, points_with, holds},
 };
 

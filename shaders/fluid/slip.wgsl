@@ -3,7 +3,7 @@
 // that sticks comes to rest without swinging.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, rod::{Point, PointHistory},
-    rub::FrictionPoint, status::frozen,
+    friction_point::FrictionPoint, status::frozen,
 };
 
 @group(0) @binding(3) var<storage, read>       velocity:      array<vec4f>;

@@ -15,7 +15,7 @@ use windswept_shaders::{
         rod::RodSegment,
         status::{
             BY_HOLD, BY_UPDATE, EULER_STEP, NEIGHBOUR_OVERFLOW, NON_FINITE_AIR, SLEEPING_STEP, STRAND_RESET, TELEPORT,
-            TOO_MANY_BAD_STRANDS, UNRECOVERED_STRAND, UNSOLVED_STEP,
+            TOO_MANY_FAILED_STRANDS, UNRECOVERED_STRAND, UNSOLVED_STEP,
         },
     },
 };
@@ -295,14 +295,13 @@ fn check_is_that_of_the_reference() {
             let before = fixture.vectors(&s.position);
             fixture.replay(step::commit::record);
 
-            let external_dv =
-                x[..p.hair_points].iter().filter(|x| x.cmplt(DVec3::ZERO).any() || x.cmpge(p.box_size).any());
-            let external_dv = external_dv.count() as u32;
+            let outside = x[..p.hair_points].iter().filter(|x| x.cmplt(DVec3::ZERO).any() || x.cmpge(p.box_size).any());
+            let outside = outside.count() as u32;
             let scratch = Scratch { predicted: x, new_velocity: v, ..Scratch::default() };
             let frozen = commit::run(&mut reference, scratch, p).err();
             let status = fixture.engine.status().unwrap();
             let what = format!("{n} particles, air {place:?} {speed:?}, {bad} of {strands} strands: {frozen:?}");
-            println!("{what}, {} external_dv", status.hair_outside);
+            println!("{what}, {} outside", status.hair_outside);
             if short {
                 // The scratch arrays mean nothing.
                 assert_eq!(status.causes, NEIGHBOUR_OVERFLOW, "{what}");
@@ -310,7 +309,7 @@ fn check_is_that_of_the_reference() {
                 let too_fast = speed.filter(|(_, speed)| speed.is_nan() || speed.abs() > commit::FAST);
                 let lost = place.into_iter().chain(too_fast.map(|(i, _)| i)).min();
                 let air = lost.map_or(0, |_| NON_FINITE_AIR);
-                let hair = if bad > limit { TOO_MANY_BAD_STRANDS } else { 0 };
+                let hair = if bad > limit { TOO_MANY_FAILED_STRANDS } else { 0 };
                 assert_eq!(status.causes, air | hair, "{what}");
                 // The reference names one cause, the hair's if both hold.
                 let expected = match (bad > limit, lost) {
@@ -321,7 +320,7 @@ fn check_is_that_of_the_reference() {
                 assert!(lost.is_none_or(|lost| lost == status.first_bad_air as usize), "{what}: {status:?}");
                 if status.causes != 0 {
                     assert_eq!(status.first_bad, first_of_all, "{what}");
-                    assert_eq!(status.hair_outside, external_dv, "{what}");
+                    assert_eq!(status.hair_outside, outside, "{what}");
                 }
             }
             let committed = fixture.vectors(&s.position) != before;

@@ -469,7 +469,7 @@ fn predict_moves_air_through_the_faces() {
             let gap = gap - size * (gap / size).round();
             // Measured 4e-8 m, the f32 spacing of positions; margin 2.5.
             assert!(gap.length() < 1e-7, "{what}: {i} at {got}, expected {wanted}");
-            assert!(got.cmpge(DVec3::ZERO).all() && got.cmple(size).all(), "{what}: {got} is external_dv");
+            assert!(got.cmpge(DVec3::ZERO).all() && got.cmple(size).all(), "{what}: {got} is outside");
         }
     });
 }

@@ -232,8 +232,8 @@ impl Parameters {
     /// Whether hair rubs on hair.
     #[must_use]
     pub fn has_friction(&self) -> bool {
-        let normal_impulses = self.model == Model::TwoWay && self.air && self.fluid_iterations > 0;
-        normal_impulses && self.friction.iter().any(|friction| *friction > 0.0)
+        let pressed = self.model == Model::TwoWay && self.air && self.fluid_iterations > 0;
+        pressed && self.friction.iter().any(|friction| *friction > 0.0)
     }
 
     /// Separation x_i − x_j of two particles: air meets air through the periodic faces, everything else directly.

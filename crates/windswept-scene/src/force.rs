@@ -107,7 +107,7 @@ impl Force {
     /// Times \[s\], rising, and the strength \[m/s\] at each: linear in between, held before the first and after the
     /// last.
     #[must_use]
-    pub fn keyframes(&self) -> Vec<(f64, f64)> {
+    pub fn strengths(&self) -> Vec<(f64, f64)> {
         match self.strength {
             Some(steady) => vec![(0.0, steady)],
             None => self.keyframes.iter().map(|key| (key.time, key.strength)).collect(),
@@ -117,7 +117,7 @@ impl Force {
     /// Largest speed of the field's wind in the whole run \[m/s\].
     #[must_use]
     pub fn fastest(&self) -> f64 {
-        self.keyframes().iter().map(|(_, strength)| strength.abs()).fold(0.0, f64::max)
+        self.strengths().iter().map(|(_, strength)| strength.abs()).fold(0.0, f64::max)
     }
 
     /// Whether the field may blow somewhere in a box of these corners \[m\]. A jet counts as round at its ends.

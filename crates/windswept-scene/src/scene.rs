@@ -384,7 +384,7 @@ impl Scene {
         names("force", self.forces.iter().map(|force| &force.name).collect())?;
         let mut keyframes = 0;
         for (i, force) in self.forces.iter().enumerate() {
-            keyframes += force.keyframes().len();
+            keyframes += force.strengths().len();
             if keyframes > MAX_STRENGTH_KEYFRAMES {
                 let words =
                     format!("makes {keyframes} keyframes of force fields; expected at most {MAX_STRENGTH_KEYFRAMES}");

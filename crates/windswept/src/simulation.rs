@@ -14,7 +14,7 @@ use std::{sync::OnceLock, time::Instant};
 
 use glam::{DQuat, DVec3};
 use windswept_scene::{Groom, InitialState, Scene};
-use windswept_shaders::common::status::{NON_FINITE_AIR, Status, TOO_MANY_BAD_STRANDS, UNRECOVERED_STRAND};
+use windswept_shaders::common::status::{NON_FINITE_AIR, Status, TOO_MANY_FAILED_STRANDS, UNRECOVERED_STRAND};
 
 pub use checkpoint::Checkpoint;
 pub use force::Accelerations;
@@ -296,11 +296,11 @@ impl Simulation {
             self.last = self.engine.thaw(&status)?;
             self.record_again()?;
         } else if status.causes & UNRECOVERED_STRAND != 0 {
-            let reason = "a strand is bad, though all passes ran that recover strands".to_owned();
+            let reason = "a strand is invalid, though all passes ran that recover strands".to_owned();
             return Err(GpuError::Driver { doing: format!("step {step}"), reason }.into());
         } else if status.causes & NON_FINITE_AIR != 0 {
             return Err(self.lost_air(status.first_bad_air, step)?);
-        } else if status.causes & TOO_MANY_BAD_STRANDS != 0 {
+        } else if status.causes & TOO_MANY_FAILED_STRANDS != 0 {
             let (point, pass) = status::bad_point(status.first_bad);
             let (strand, point) = self.strand_of(point);
             let (count, limit) = (status.failed_strands, self.engine.params().failed_strand_limit);

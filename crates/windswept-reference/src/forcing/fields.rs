@@ -34,7 +34,7 @@ pub(crate) fn fields(scene: &Scene, initial: &InitialState) -> Vec<Field> {
         reach: force.reach,
         radius: force.radius,
         uptake: force.uptake,
-        keyframes: force.keyframes(),
+        keyframes: force.strengths(),
     });
     field.collect()
 }

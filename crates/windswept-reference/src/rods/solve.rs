@@ -272,9 +272,9 @@ impl Rod<'_> {
 
         // From the segment's end to its first point: s' = T (s + z).
         let arm = l * axes.z_axis + segment.strain;
-        let mut previous_move = Matrix6::identity();
-        add(&mut previous_move, (3, 0), -cross_matrix(arm));
-        (matrix, vectors) = (previous_move.transpose() * matrix * previous_move, previous_move.transpose() * vectors);
+        let mut transport = Matrix6::identity();
+        add(&mut transport, (3, 0), -cross_matrix(arm));
+        (matrix, vectors) = (transport.transpose() * matrix * transport, transport.transpose() * vectors);
         let (contacts, push) = self.push_segment(k, arm);
         // The pull of what lies beyond, which the frame resists turning off.
         let pull = -(passed + parts(&push).1);
@@ -337,9 +337,9 @@ impl Rod<'_> {
         for (k, answer) in answers.iter().enumerate() {
             let segment = &self.segments[k];
             let arm = self.rest_length(k) * (segment.frame * DVec3::Z) + segment.strain;
-            let mut previous_move = Matrix6::identity();
-            add(&mut previous_move, (3, 0), -cross_matrix(arm));
-            states = previous_move * (states + answer.constant + answer.gain * states);
+            let mut transport = Matrix6::identity();
+            add(&mut transport, (3, 0), -cross_matrix(arm));
+            states = transport * (states + answer.constant + answer.gain * states);
             turns.push(states);
         }
         let column = |c: usize| parts(&states.column(c).into()).1;

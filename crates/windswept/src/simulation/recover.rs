@@ -4,7 +4,7 @@
 use glam::{DVec3, Vec3};
 use windswept_shaders::common::{
     rod::{FAILED, INVALID},
-    status::{NON_FINITE_AIR, STRAND_RESET, Status, TOO_MANY_BAD_STRANDS},
+    status::{NON_FINITE_AIR, STRAND_RESET, Status, TOO_MANY_FAILED_STRANDS},
 };
 
 use super::Simulation;
@@ -29,7 +29,7 @@ impl Simulation {
         let causes = self.last.causes;
         let (step, times) = self.recovered;
         let tries = if step == self.steps { times } else { 0 };
-        if causes & (NON_FINITE_AIR | TOO_MANY_BAD_STRANDS) == 0 || tries == TRIES {
+        if causes & (NON_FINITE_AIR | TOO_MANY_FAILED_STRANDS) == 0 || tries == TRIES {
             return Err(error);
         }
         let s = self.engine.state().clone();

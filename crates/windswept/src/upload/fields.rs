@@ -24,7 +24,7 @@ impl Fields {
     }
 
     fn add(&mut self, force: &Force, initial: &InitialState) {
-        let keys = force.keyframes();
+        let keys = force.strengths();
         self.fields.push(Field {
             origin: vec3(glam::DVec3::from_array(force.origin) - initial.origin),
             reach: force.reach as f32,
