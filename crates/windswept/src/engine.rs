@@ -34,8 +34,10 @@ use crate::{
     slots::Slots,
     state::{Sizes, State},
     status,
-    upload::bodies,
-    upload::rods::{self, quat, vec4},
+    upload::{
+        bodies,
+        rods::{self, quat, vec4},
+    },
 };
 
 /// Length of a neighbour list that has grown, over what the step needed: room for a few steps' changes.

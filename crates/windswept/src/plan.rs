@@ -16,10 +16,7 @@ use crate::{
     setup::Setup,
     state::{Sizes, State},
     step::neighbours::Sort,
-    upload::bands::invocations,
-    upload::coarse::Coarse,
-    upload::params,
-    upload::rods,
+    upload::{bands::invocations, coarse::Coarse, params, rods},
 };
 
 pub use self::table::{BufferRow, MemoryBytes, PlanRow, Uses, buffers, memory_bytes, table};

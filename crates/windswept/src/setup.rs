@@ -7,9 +7,11 @@ use windswept_shaders::{
 };
 
 use crate::{
-    state::Sizes, step::neighbours::Sort, upload::bands::Bands, upload::bodies, upload::coarse::Coarse,
-    upload::fields::Fields, upload::meshes::Meshes, upload::motion::Motions, upload::params, upload::pressure,
-    upload::winds,
+    state::Sizes,
+    step::neighbours::Sort,
+    upload::{
+        bands::Bands, bodies, coarse::Coarse, fields::Fields, meshes::Meshes, motion::Motions, params, pressure, winds,
+    },
 };
 
 /// Everything that is derived from a scene before anything is allocated. Plan, buffers and what fills them come from

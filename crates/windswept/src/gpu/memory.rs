@@ -14,8 +14,7 @@ use crate::{
     aliasing::Aliasing,
     array::{AnyArray, Array, Lifetime, is_uniform},
     error::GpuError,
-    gpu::Gpu,
-    gpu::textures,
+    gpu::{Gpu, textures},
     state::State,
 };
 

@@ -12,8 +12,7 @@ use windswept_shaders::common::validity::FAST;
 use super::Simulation;
 use crate::{
     error::{GpuError, RunError},
-    upload::rods,
-    upload::winds,
+    upload::{rods, winds},
 };
 
 impl Simulation {

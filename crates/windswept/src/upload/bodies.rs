@@ -3,9 +3,9 @@
 use windswept_scene::{InitialState, Scene, Solid};
 use windswept_shaders::common::body::{Body, Grid};
 
-use crate::{
-    upload::motion::Motions,
-    upload::rods::{quat, vec3},
+use crate::upload::{
+    motion::Motions,
+    rods::{quat, vec3},
 };
 
 /// The scene's bodies, in local coordinates.
