@@ -179,21 +179,17 @@ fn same_bits(sets: &[&str], force: impl FnOnce(&mut Plan)) {
 /// Whatever a plan leaves out because a number is zero, or because it can never act, gives the same bits where it runs.
 #[test]
 fn what_is_left_out_changes_nothing() {
-    let runs = || Decision::when(true, "");
-    same_bits(&["viscosity.hair=0", "viscosity.air=0"], |plan| plan.viscosity = runs());
-    same_bits(&["viscosity.hair=0"], |plan| plan.limiter = runs());
-    same_bits(&["air.wind=[0,0,0]", "turbulence.speed=3"], |plan| {
-        plan.blows = runs();
-        plan.wind = runs();
-    });
+    same_bits(&["viscosity.hair=0", "viscosity.air=0"], |plan| plan.conditions.viscosity = Decision::YES);
+    same_bits(&["viscosity.hair=0"], |plan| plan.viscosity.limiter = Decision::YES);
+    same_bits(&["air.wind=[0,0,0]", "turbulence.speed=3"], |plan| plan.conditions.blows = Decision::YES);
     same_bits(&["turbulence={bands=[{scale=0.006,strength=0,intensity=0.3}]}"], |plan| {
-        plan.turbulence = runs();
-        plan.bands[0].runs = runs();
+        plan.conditions.turbulence = Decision::YES;
+        plan.turbulence.bands[0].runs = Decision::YES;
     });
     // Strands that press on one another.
     let crowded = ["hair.friction=0", "hair.roots.radius=0.002", "hair.points=13"];
-    same_bits(&crowded, |plan| plan.friction = runs());
-    same_bits(&[], |plan| plan.deformation = runs());
+    same_bits(&crowded, |plan| plan.fluid.friction = Decision::YES);
+    same_bits(&[], |plan| plan.fluid.deformation = Decision::YES);
     same_bits(&[], Plan::recover_strands);
 }
 

@@ -306,7 +306,7 @@ fn what_a_step_reads_from_the_one_before_is_declared_to_last() {
             });
             let uses: Vec<_> = uses.collect();
             // Where nothing asks for the deformation of air, `fluid/spread` binds what has it, and does not look at it.
-            let unread = array.name() == "exchange" && !plan.deformation.runs;
+            let unread = array.name() == "exchange" && !plan.fluid.deformation.runs;
             let carries = !unread
                 && !array.is_empty()
                 && uses.iter().any(|(_, writes)| *writes)

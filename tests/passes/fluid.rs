@@ -20,7 +20,7 @@ impl Walk<'_> {
         w.correction = vec![DVec3::ZERO; w.predicted.len()];
         w.pressed.clone_from(&s.pressed);
         let mut passes = fixture.passes(step::fluid::record);
-        let count = fixture.plan.sizes.constrained as usize;
+        let count = fixture.engine.sizes().constrained as usize;
         w.density = vec![0.0; w.predicted.len()];
         let mut multiplier = vec![0.0; self.p().hair_points];
         while passes.through("fluid/density") {
@@ -133,7 +133,7 @@ impl Walk<'_> {
         let before = w.predicted.clone();
         w.predicted.iter_mut().zip(shift).for_each(|(x, shift)| *x += shift);
         passes.through("fluid/place");
-        if fixture.plan.walls.runs {
+        if fixture.plan.conditions.walls.runs {
             fluid::walls(w, &p);
             self.walls("fluid/place", w)?;
         }

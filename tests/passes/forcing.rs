@@ -457,8 +457,8 @@ fn predict_moves_air_through_the_faces() {
         let v = stirred(fixture.reference.position.len());
         let s = fixture.engine.state();
         fixture.write_vectors(&s.velocity, &v);
-        fixture.run(|r, plan| {
-            r.run(&shaders::forcing::PREDICT, "air moves", plan.sizes.air());
+        fixture.run(|r, _| {
+            r.run(&shaders::forcing::PREDICT, "air moves", r.sizes().air());
         });
         let first = fixture.parameters.hair_points;
         let size = fixture.parameters.box_size;

@@ -24,11 +24,11 @@ impl Walk<'_> {
         let (state, plan) = (fixture.engine.state(), &fixture.plan);
         let mut passes = fixture.passes(step::turbulence::record);
         if p.bands.is_empty() {
-            assert!(!plan.turbulence.runs);
+            assert!(!plan.conditions.turbulence.runs);
             return Ok(());
         }
         w.confinement = vec![DVec3::ZERO; w.predicted.len()];
-        if plan.direct_filter.runs {
+        if plan.turbulence.direct_filter.runs {
             assert!(passes.through("turbulence/locate"));
             let sorted = fixture.engine.read(&state.sorted).unwrap();
             let predicted = fixture.engine.read(&state.predicted).unwrap();
@@ -42,14 +42,14 @@ impl Walk<'_> {
             assert!(passes.through("turbulence/weigh"));
             self.weighed(&sorted, s, w)?;
         }
-        if plan.published_law {
+        if plan.turbulence.published_law {
             w.vorticity = turbulence::vorticity(&p, &w.predicted, &w.new_velocity, &s.volume, &w.near);
             assert!(passes.through("turbulence/vorticity"));
             self.same("turbulence/vorticity", apart(&fixture.vectors(&state.vorticity), &w.vorticity), bounds.spin)?;
         }
-        for band in plan.bands.iter().filter(|band| band.runs.runs) {
+        for band in plan.turbulence.bands.iter().filter(|band| band.runs.runs) {
             self.filter(&mut passes, band, s, w)?;
-            if !plan.published_law {
+            if !plan.turbulence.published_law {
                 w.vorticity = turbulence::vorticity(&p, &w.predicted, &w.band_velocity, &s.volume, &w.near);
                 assert!(passes.through("turbulence/vorticity"));
                 let gap = apart(&self.vectors(&state.vorticity, p.hair_points), &w.vorticity[p.hair_points..]);
@@ -108,7 +108,7 @@ impl Walk<'_> {
     fn filter(&mut self, passes: &mut Passes<'_>, plan: &BandPlan, s: &Reference, w: &mut Scratch) -> Same {
         let (fixture, bounds, p) = (self.fixture, self.bounds, self.p().clone());
         let (state, band) = (fixture.engine.state(), &p.turbulence.bands[plan.index]);
-        let last = if fixture.plan.grid_filter.runs {
+        let last = if fixture.plan.turbulence.grid_filter.runs {
             let scale = p.grid_scale(band);
             let deposited = turbulence::deposit(&p, scale, w.blowing, &w.predicted, &w.new_velocity, &s.volume);
             if plan.deposit.runs {
@@ -141,7 +141,7 @@ impl Walk<'_> {
         assert!(passes.through(last));
         // As printed û has units and a size of its own: compared in parts of its largest, as if that were 1 m/s.
         // A neighbour exactly at the cut of 3 s is in one sum and not in the other: measured 6.3e-3; margin 3.
-        let (unit, bound) = match fixture.plan.published_law {
+        let (unit, bound) = match fixture.plan.turbulence.published_law {
             true => (largest(w.band_velocity.iter().map(|u| u.length())), 2e-2),
             false => (1.0, bounds.speed),
         };
@@ -153,7 +153,7 @@ impl Walk<'_> {
     /// volume, or as printed the velocity.
     fn weighed(&mut self, sorted: &[u32], s: &Reference, w: &Scratch) -> Same {
         let (fixture, p) = (self.fixture, self.p());
-        let published = fixture.plan.published_law;
+        let published = fixture.plan.turbulence.published_law;
         let flow = fixture.engine.read(&fixture.engine.state().flow).unwrap();
         let gaps = flow.iter().zip(sorted).map(|([x, y, z, weight], i)| {
             let i = *i as usize;

@@ -18,7 +18,7 @@ impl Walk<'_> {
         let mut passes = fixture.passes(step::viscosity::record);
         viscosity::run(s, w, self.p());
         if passes.through("viscosity/limit") {
-            if fixture.plan.limited_clusters != fixture.plan.sizes.clusters_of_all() {
+            if fixture.plan.viscosity.limited_clusters != fixture.engine.sizes().clusters_of_all() {
                 // Air cannot overshoot: its S is below 1, and not looked for.
                 let air = &mut w.exchange[self.p().hair_points..];
                 assert!(air.iter().all(|s| *s < 1.0));

@@ -74,7 +74,7 @@ fn large_eddies_cost_no_more_than_small_ones() {
         let initial = InitialState::new(&scene).unwrap();
         let setup = Setup::new(&scene, &initial);
         let (plan, sizes) = (Plan::new(&setup), setup.sizes());
-        assert!(plan.grid_filter.runs && !plan.direct_filter.runs, "{name} sums over pairs");
+        assert!(plan.turbulence.grid_filter.runs && !plan.turbulence.direct_filter.runs, "{name} sums over pairs");
         let recording = Recorder::record(&State::new(&sizes), |r| step::record(r, &plan));
         // A smoothing reads so many nodes as there are taps; the others do not depend on taps.
         let work = |of_band: bool| -> u64 {

@@ -366,7 +366,7 @@ fn balanced(gpu: &Gpu) -> Result<Row, Error> {
         step::forcing::record_bodies(r, plan);
         step::forcing::record_walls(r, plan);
         step::neighbours::record(r, plan);
-        r.dispatch_neighbours(&fluid::MOMENTS, "gradients corrected", plan.flowing_clusters());
+        r.dispatch_neighbours(&fluid::MOMENTS, "gradients corrected", plan.fluid.flowing_clusters.clone());
     })?;
     let state = runner.engine().state();
     let volume = initial.air.volume as f32;
@@ -381,7 +381,7 @@ fn balanced(gpu: &Gpu) -> Result<Row, Error> {
     runner.engine().write(&state.stress, &gradients.into_iter().map(unit).collect::<Vec<_>>())?;
     runner.engine().write(&state.new_velocity, &vec![[0.0; 4]; walls.len()])?;
     runner.replay(|r, plan| {
-        r.dispatch_neighbours(&fluid::PUSH, "a constant pressure pushes", plan.flowing_clusters());
+        r.dispatch_neighbours(&fluid::PUSH, "a constant pressure pushes", plan.fluid.flowing_clusters.clone());
     })?;
     let pushed = runner.read(|s| &s.new_velocity)?;
     let radius = windswept_scene::Air::KERNEL_RADIUS;

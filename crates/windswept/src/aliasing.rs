@@ -10,8 +10,8 @@ use std::{cmp::Reverse, collections::BTreeMap, ops::Range};
 
 use crate::{
     array::{AnyArray, Lifetime},
-    gpu::textures::{self, Reading},
     recorder::{Command, Recording},
+    textures::{self, Reading},
 };
 
 /// Where each array lies, by the array's slot.

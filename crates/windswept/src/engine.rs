@@ -35,8 +35,8 @@ use crate::{
     state::{Sizes, State},
     status,
     upload::{
-        bodies,
-        rods::{self, quat, vec4},
+        bodies, rods,
+        vectors::{quat, vec4},
     },
 };
 
@@ -49,7 +49,6 @@ pub struct Engine {
     gpu: Gpu,
     /// The uniforms, of which the length of the neighbour list changes in the course of a run.
     params: Vec<Params>,
-    sizes: Sizes,
     state: State,
     memory: Memory,
     /// Whether somebody other than a step has written what `forcing/reset` looks at: places, velocities, clamps, or
@@ -90,8 +89,7 @@ impl Engine {
         let state = State::new(&sizes);
         let memory = Memory::new(gpu, &state, share(&state))?;
         let params = setup.uniforms();
-        let mut engine =
-            Self { gpu: gpu.clone(), params, sizes, state, memory, hair_was_written: AtomicBool::new(false) };
+        let mut engine = Self { gpu: gpu.clone(), params, state, memory, hair_was_written: AtomicBool::new(false) };
         engine.write_pages()?;
         engine.write_setup(setup)?;
         engine.hair_was_written = AtomicBool::new(false);
@@ -124,8 +122,8 @@ impl Engine {
         self.write(&s.root_targets, &rods::root_targets(scene, initial))?;
         self.write(&s.pins, &rods::pins(scene, initial))?;
         self.write_hair(hair, initial.origin)?;
-        let (points, particles) = (self.sizes.hair_points, self.sizes.particles);
-        self.write(&s.air_id, &(0..self.sizes.air()).collect::<Vec<_>>())?;
+        let (points, particles) = (self.state.sizes.hair_points, self.state.sizes.particles);
+        self.write(&s.air_id, &(0..self.state.sizes.air()).collect::<Vec<_>>())?;
         self.write(&s.sorted, &(points..particles).chain(0..points).collect::<Vec<_>>())?;
         self.write_air(Some(&local), Some(&air.velocities), air.volume)
     }
@@ -161,7 +159,7 @@ impl Engine {
         velocities: Option<&[DVec3]>,
         volume: f64,
     ) -> Result<(), GpuError> {
-        let (first, slots) = (self.sizes.hair_points as usize, self.slots()?);
+        let (first, slots) = (self.state.sizes.hair_points as usize, self.slots()?);
         if let Some(positions) = positions {
             let rows: Vec<_> = slots.by_slot(positions).into_iter().map(|x| vec4(x, volume)).collect();
             self.memory.write(&self.gpu, &self.state.position, first, &rows)?;
@@ -170,7 +168,7 @@ impl Engine {
             let rows: Vec<_> = slots.by_slot(velocities).into_iter().map(|v| vec4(v, 0.0)).collect();
             self.memory.write(&self.gpu, &self.state.velocity, first, &rows)?;
         }
-        self.write(&self.state.pressed_before, &vec![Pressed::default(); self.sizes.pressed as usize])
+        self.write(&self.state.pressed_before, &vec![Pressed::default(); self.state.sizes.pressed as usize])
     }
 
     /// The device.
@@ -193,7 +191,7 @@ impl Engine {
     /// Numbers of particles, strands and whatever else has a buffer.
     #[must_use]
     pub fn sizes(&self) -> Sizes {
-        self.sizes
+        self.state.sizes
     }
 
     /// The buffers' descriptions.
@@ -219,7 +217,7 @@ impl Engine {
     /// # Errors
     /// [`GpuError`] when the device is lost.
     pub fn clusters(&self) -> Result<Vec<Cluster>, GpuError> {
-        let read = |page: &Array<[u32; 4]>| Ok(clusters::read(&self.read(page)?, self.sizes.page_clusters()));
+        let read = |page: &Array<[u32; 4]>| Ok(clusters::read(&self.read(page)?, self.state.sizes.page_clusters()));
         Ok(self.state.pages().iter().map(read).collect::<Result<Vec<_>, GpuError>>()?.concat())
     }
 
@@ -352,12 +350,12 @@ impl Engine {
     /// As [`Self::evaluate`].
     pub(crate) fn grow_if_short(&mut self, status: &Status, step: u64) -> Result<Option<Status>, RunError> {
         let (needed, limit) = (status::neighbours_needed(status), largest_page(self.gpu.largest_binding()));
-        if needed <= u64::from(self.sizes.neighbours) {
+        if needed <= u64::from(self.state.sizes.neighbours) {
             return Ok(None);
         }
         // As if all pages were as long as the longest.
-        let all = needed.saturating_mul(self.sizes.pages.into());
-        let pages = all.div_ceil(limit).max(self.sizes.pages.into());
+        let all = needed.saturating_mul(self.state.sizes.pages.into());
+        let pages = all.div_ceil(limit).max(self.state.sizes.pages.into());
         if pages > PAGES.into() {
             return Err(RunError::TooManyNeighbours { needed: all, limit: limit * u64::from(PAGES), step });
         }
@@ -377,7 +375,7 @@ impl Engine {
     pub(crate) fn program(&self, recording: &Recording) -> Result<Program, GpuError> {
         debug_assert_eq!(self.memory.aliasing().overwritten(recording), None, "a pass whose array is gone");
         debug_assert_eq!(self.memory.aliasing().mixed(recording), None, "two arrays in one texture");
-        Program::new(&self.gpu, &self.memory, recording, &|switch| self.sizes.has(switch))
+        Program::new(&self.gpu, &self.memory, recording, &|switch| self.state.sizes.has(switch))
     }
 
     /// Submits `n` replays, without waiting: one by one, so that the first runs while the next is encoded.
@@ -404,14 +402,14 @@ impl Engine {
     /// # Errors
     /// As [`Self::evaluate`].
     pub fn start(&mut self, record: impl Fn(&mut Recorder<'_>)) -> Result<(), RunError> {
-        self.write(&self.state.pressed, &vec![Pressed::default(); self.sizes.pressed as usize])?;
+        self.write(&self.state.pressed, &vec![Pressed::default(); self.state.sizes.pressed as usize])?;
         let before = self.status()?;
         self.evaluate(record)?;
         // The passes look for the fastest wind, and leave that at the end of a step.
         let Status { wind, wind_before, .. } = before;
         self.set_status(&Status { wind, wind_before, ..self.status()? })?;
         let s = &self.state;
-        let (first, len) = (u64::from(self.sizes.hair_points), u64::from(self.sizes.air()));
+        let (first, len) = (u64::from(self.state.sizes.hair_points), u64::from(self.state.sizes.air()));
         let [first, len] = [first, len].map(|particles| particles * s.velocity.stride());
         self.copy(&s.new_velocity, &s.velocity, first..first + len)?;
         Ok(())
@@ -446,14 +444,13 @@ impl Engine {
     /// # Errors
     /// [`GpuError`] when the adapter has no room.
     pub fn make_room_for_force(&mut self, pushes: bool) -> Result<(), GpuError> {
-        let pushed = if pushes { self.sizes.particles } else { 0 };
-        if self.sizes.pushed == pushed {
+        let pushed = if pushes { self.state.sizes.particles } else { 0 };
+        if self.state.sizes.pushed == pushed {
             return Ok(());
         }
-        let sizes = Sizes { pushed, ..self.sizes };
-        let state = State::new(&sizes);
+        let state = State::new(&Sizes { pushed, ..self.state.sizes });
         self.memory.reallocate(&self.gpu, &state.pushed)?;
-        (self.sizes, self.state) = (sizes, state);
+        self.state = state;
         Ok(())
     }
 
@@ -472,8 +469,7 @@ impl Engine {
     /// # Errors
     /// [`GpuError`] when the adapter has no room.
     pub fn grow_neighbours(&mut self, pages: u32, capacity: u32) -> Result<(), GpuError> {
-        (self.sizes.pages, self.sizes.neighbours) = (pages, capacity);
-        self.state = State::new(&self.sizes);
+        self.state = State::new(&Sizes { pages, neighbours: capacity, ..self.state.sizes });
         for page in self.state.pages() {
             self.memory.reallocate(&self.gpu, &page)?;
         }
@@ -481,9 +477,9 @@ impl Engine {
     }
 
     fn write_pages(&mut self) -> Result<(), GpuError> {
-        let Sizes { pages, neighbours: neighbour_capacity, .. } = self.sizes;
-        let page_clusters = self.sizes.page_clusters();
-        let workgroups_of_hair = self.sizes.hair_clusters * LANES / WORKGROUP;
+        let Sizes { pages, neighbours: neighbour_capacity, .. } = self.state.sizes;
+        let page_clusters = self.state.sizes.page_clusters();
+        let workgroups_of_hair = self.state.sizes.hair_clusters * LANES / WORKGROUP;
         for params in &mut self.params {
             let page_of_hair = WORKGROUP * clusters::workgroups_of_page(workgroups_of_hair, params.page, pages);
             *params = Params { pages, page_clusters, page_of_hair, neighbour_capacity, ..*params };

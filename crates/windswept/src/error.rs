@@ -2,8 +2,6 @@
 
 use windswept_scene::SceneError;
 
-use crate::{ops::OpsError, report::six_digits};
-
 /// No adapter, no device, or a device that refuses.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -195,15 +193,6 @@ fn before(position: [f32; 3], nearest: Option<(usize, f32)>) -> String {
     format!("; before it the particle was at [{x:.4}, {y:.4}, {z:.4}] m{}", hair.unwrap_or_default())
 }
 
-impl From<OpsError> for RunError {
-    fn from(error: OpsError) -> Self {
-        match error {
-            OpsError::Run(error) => error,
-            other => Self::Measurement(other.to_string()),
-        }
-    }
-}
-
 /// A checkpoint that could not be written or read.
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
@@ -253,4 +242,22 @@ pub enum Error {
     /// The GPU.
     #[error(transparent)]
     Gpu(#[from] GpuError),
+}
+
+/// A number to six digits, however small it is.
+pub(crate) fn six_digits(x: f64) -> f64 {
+    format!("{x:.5e}").parse().unwrap_or(x)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::six_digits;
+
+    /// Times of steps that last a nanosecond are told apart, and none has the digits of its rounding.
+    #[test]
+    fn times_have_six_digits() {
+        for (time, shown) in [(3e-9, "0.000000003"), (7.0 * 1.38e-3, "0.00966"), (1234.56789, "1234.57"), (0.0, "0")] {
+            assert_eq!(six_digits(time).to_string(), shown);
+        }
+    }
 }

@@ -3,7 +3,6 @@
 mod adapter;
 mod memory;
 mod program;
-pub(crate) mod textures;
 
 use std::{
     collections::HashMap,

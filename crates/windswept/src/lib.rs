@@ -48,6 +48,7 @@ mod slots;
 mod state;
 mod status;
 mod step;
+mod textures;
 mod upload;
 
 /// The crate whose vectors and quaternions this one takes.
@@ -70,11 +71,11 @@ pub mod internals {
         aliasing::Aliasing,
         array::{AnyArray, Array, Index, Lifetime},
         engine::Engine,
-        plan::{BandPlan, Plan},
         recorder::{Bindings, Command, Decision, Recorder, Recording},
         setup::Setup,
         slots::Slots,
         state::{Sizes, State},
+        step::{Plan, turbulence::BandPlan},
         upload::motion::Motions,
     };
     /// The device with other shaders in place of those of some passes, by the passes' names: to see a test fail.

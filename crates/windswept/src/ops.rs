@@ -24,11 +24,10 @@ use crate::{
     engine::Engine,
     error::{GpuError, RunError},
     gpu::Gpu,
-    plan::Plan,
     recorder::Recorder,
     setup::Setup,
     state::State,
-    step,
+    step::{self, Plan},
 };
 
 /// A scene of air; operations replace the values that they depend on.
@@ -143,6 +142,15 @@ impl From<GpuError> for OpsError {
     }
 }
 
+impl From<OpsError> for RunError {
+    fn from(error: OpsError) -> Self {
+        match error {
+            OpsError::Run(error) => error,
+            other => Self::Measurement(other.to_string()),
+        }
+    }
+}
+
 impl<'a> Particles<'a> {
     /// Particles at rest in free space with the paper's mass, rest density and kernel radius.
     #[must_use]
@@ -209,7 +217,7 @@ impl<'a> Particles<'a> {
         let Some(mut runner) = runner.map_err(|error| too_fine(scale, error))? else { return Ok(Vec::new()) };
         runner.evaluate(|r, plan| {
             // The grid sorts for itself.
-            if plan.direct_filter.runs {
+            if plan.turbulence.direct_filter.runs {
                 step::neighbours::record(r, plan);
             }
             step::turbulence::record_band(r, plan);

@@ -10,7 +10,7 @@ use windswept_shaders::{
 use crate::{
     array::{AnyArray, Index},
     clusters,
-    state::State,
+    state::{Sizes, State},
 };
 
 /// Whether a part of the step is needed, and why.
@@ -18,15 +18,24 @@ use crate::{
 pub struct Decision {
     /// Whether the part runs.
     pub runs: bool,
-    /// The reason, a short clause.
+    /// The reason why it does not, a short clause; empty if it runs.
     pub why: String,
 }
 
 impl Decision {
+    /// A part that runs.
+    pub const YES: Self = Self { runs: true, why: String::new() };
+
     /// A part that runs if `runs`; `why` explains its absence.
     #[must_use]
     pub fn when(runs: bool, why: impl Into<String>) -> Self {
-        Self { runs, why: why.into() }
+        Self::unless((!runs).then(|| why.into()))
+    }
+
+    /// A part that runs unless there is a reason against it.
+    #[must_use]
+    pub fn unless(why: Option<impl Into<String>>) -> Self {
+        Self { runs: why.is_none(), why: why.map(Into::into).unwrap_or_default() }
     }
 
     /// This decision if it says no, else the other one.
@@ -102,6 +111,12 @@ impl<'a> Recorder<'a> {
         record(&mut recorder);
         recorder.recording.commands.iter().for_each(check);
         recorder.recording
+    }
+
+    /// Counts of everything that passes run over.
+    #[must_use]
+    pub fn sizes(&self) -> Sizes {
+        self.state.sizes
     }
 
     /// The arrays, for passes that bind one under another name.

@@ -4,7 +4,10 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::gpu::{AdapterInfo, ShaderVariant};
+use crate::{
+    error::six_digits,
+    gpu::{AdapterInfo, ShaderVariant},
+};
 
 /// The report of a run so far. What was not measured is left out, never null; in report.json of a run that failed so is
 /// what is not finite.
@@ -137,11 +140,6 @@ impl std::fmt::Display for Reset {
     }
 }
 
-/// A number to six digits, however small it is.
-pub(crate) fn six_digits(x: f64) -> f64 {
-    format!("{x:.5e}").parse().unwrap_or(x)
-}
-
 /// Numbers of particles.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Counts {
@@ -203,17 +201,4 @@ pub struct SkippedReport {
     pub name: String,
     /// The reason.
     pub why: String,
-}
-
-#[cfg(test)]
-mod tests {
-    use super::six_digits;
-
-    /// Times of steps that last a nanosecond are told apart, and none has the digits of its rounding.
-    #[test]
-    fn times_have_six_digits() {
-        for (time, shown) in [(3e-9, "0.000000003"), (7.0 * 1.38e-3, "0.00966"), (1234.56789, "1234.57"), (0.0, "0")] {
-            assert_eq!(six_digits(time).to_string(), shown);
-        }
-    }
 }

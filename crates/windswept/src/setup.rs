@@ -8,9 +8,9 @@ use windswept_shaders::{
 
 use crate::{
     state::Sizes,
-    step::neighbours::Sort,
     upload::{
-        bands::Bands, bodies, coarse::Coarse, fields::Fields, meshes::Meshes, motion::Motions, params, pressure, winds,
+        bands::Bands, bodies, coarse::Coarse, fields::Fields, meshes::Meshes, motion::Motions, params, pressure,
+        sort::Sort, winds,
     },
 };
 

@@ -24,12 +24,12 @@ use crate::{
     error::{Error, GpuError, RunError},
     frame::{AirFrame, Frame, HairFrame},
     gpu::{Gpu, Profile, Program, Span, wgpu},
-    plan::Plan,
     recorder::{Recorder, Recording},
     report::Reset,
     setup::Setup,
-    status, step,
-    upload::rods,
+    status,
+    step::{self, Plan},
+    upload::vectors::{quat, vec4},
 };
 
 /// Time that a batch of steps should take, after which the host reads the status \[s\]: short enough for progress bars
@@ -143,7 +143,7 @@ impl Simulation {
     /// A simulation whose air beside bodies has the velocity that it starts with.
     fn started(gpu: &Gpu, scene: &Scene, initial: InitialState, origin: Origin) -> Result<Self, Error> {
         let mut simulation = Self::build(gpu, scene, initial, origin)?;
-        if simulation.plan.walls.runs {
+        if simulation.plan.conditions.walls.runs {
             let plan = &simulation.plan;
             // Where there is no room for the neighbours the first step says so.
             if let Err(RunError::Gpu(error)) = simulation.engine.start(|r| step::record_start(r, plan)) {
@@ -289,7 +289,7 @@ impl Simulation {
         if let Some(thawed) = self.engine.grow_if_short(&status, step)? {
             self.last = thawed;
             self.record_again()?;
-        } else if status.causes != 0 && self.plan.recover != self.plan.hair {
+        } else if status.causes != 0 && !self.plan.recovers_strands() {
             // Air, or many strands, may be lost to one that nobody looked at.
             tracing::debug!(step, "strands are recovered from now on");
             self.plan.recover_strands();
@@ -318,7 +318,7 @@ impl Simulation {
 
     /// Lets strands be recovered from now on, if somebody else than a step has written what they are.
     fn recover_written_strands(&mut self) -> Result<(), GpuError> {
-        if !self.engine.hair_was_written() || self.plan.recover == self.plan.hair {
+        if !self.engine.hair_was_written() || self.plan.recovers_strands() {
             return Ok(());
         }
         self.plan.recover_strands();
@@ -460,10 +460,10 @@ impl Simulation {
     pub fn hair_at_start(&self) -> HairFrame {
         let (hair, origin) = (&self.initial.hair, self.initial.origin);
         HairFrame {
-            positions: hair.positions.iter().map(|x| in_world(&rods::vec4(*x - origin, 0.0), origin)).collect(),
+            positions: hair.positions.iter().map(|x| in_world(&vec4(*x - origin, 0.0), origin)).collect(),
             velocities: hair.velocities.iter().map(|v| v.as_vec3().to_array()).collect(),
-            orientations: hair.orientations.iter().map(|q| rods::quat(*q)).collect(),
-            root_frames: hair.root_frame.iter().map(|q| rods::quat(*q)).collect(),
+            orientations: hair.orientations.iter().map(|q| quat(*q)).collect(),
+            root_frames: hair.root_frame.iter().map(|q| quat(*q)).collect(),
             ..self.lasting_hair()
         }
     }

@@ -174,6 +174,8 @@ macro_rules! state {
         /// Every buffer: its element, the number of elements, and in its doc what it holds and the unit.
         #[derive(Debug, Clone, PartialEq)]
         pub struct State {
+            /// How many of everything there is.
+            pub sizes: Sizes,
             $($($(#[doc = $doc])* pub $name: Array<$element>,)*)*
         }
 
@@ -188,7 +190,7 @@ macro_rules! state {
                     let doc = concat!($($doc),*).trim_ascii();
                     Array::new(stringify!($name), doc, len(sizes).into(), slot, Lifetime::$life)
                 };)*)*
-                Self { $($($name,)*)* }
+                Self { sizes: *sizes, $($($name,)*)* }
             }
 
             /// Every buffer, in the order of their slots.

@@ -1,6 +1,7 @@
 //! One step, in execution order. Read this file first.
 
 pub mod commit;
+mod conditions;
 pub mod contact;
 pub mod fluid;
 pub mod forcing;
@@ -10,10 +11,11 @@ pub mod turbulence;
 pub mod viscosity;
 
 use crate::{
-    plan::Plan,
     recorder::{Recorder, Recording},
+    setup::Setup,
     state::State,
 };
+pub use conditions::Conditions;
 
 /// Invocations of a pass that is one workgroup: any number up to its size.
 const ONE_WORKGROUP: u32 = 1;
@@ -30,10 +32,73 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     commit::record(r, plan); //      8. Commit, or freeze and report.
 }
 
+/// Decisions about which passes run, made once from the scene; the stages `contact` and `commit` follow from the
+/// conditions. `windswept plan` prints them.
+#[derive(Debug, Clone)]
+pub struct Plan {
+    /// Conditions that several stages decide by.
+    pub conditions: Conditions,
+    /// Decisions of stage `forcing`.
+    pub forcing: forcing::ForcingPlan,
+    /// Decisions of stage `neighbours`.
+    pub neighbours: neighbours::NeighboursPlan,
+    /// Decisions of stage `fluid`.
+    pub fluid: fluid::FluidPlan,
+    /// Decisions of stage `rods`.
+    pub rods: rods::RodsPlan,
+    /// Decisions of stage `turbulence`.
+    pub turbulence: turbulence::TurbulencePlan,
+    /// Decisions of stage `viscosity`.
+    pub viscosity: viscosity::ViscosityPlan,
+}
+
+impl Plan {
+    /// The plan of a scene.
+    #[must_use]
+    pub fn new(setup: &Setup<'_>) -> Self {
+        let conditions = Conditions::new(setup);
+        Self {
+            forcing: forcing::plan(setup),
+            neighbours: neighbours::plan(setup),
+            fluid: fluid::plan(setup, &conditions),
+            rods: rods::plan(setup, &conditions),
+            turbulence: turbulence::plan(setup, &conditions),
+            viscosity: viscosity::plan(setup, &conditions),
+            conditions,
+        }
+    }
+
+    /// Lets the wind's passes run from now on, as the caller sets it, whether it blows or is zero: these passes also
+    /// take from the air the wind that blew before. Says whether other passes run now.
+    pub fn set_wind(&mut self, blows: bool) -> bool {
+        let before = (self.conditions.blows.clone(), self.fluid.deformation.clone());
+        self.conditions.set_wind();
+        self.fluid.set_wind(&self.conditions, blows || self.conditions.fields.runs);
+        before != (self.conditions.blows.clone(), self.fluid.deformation.clone())
+    }
+
+    /// Lets the force that the caller sets push from now on, or lets it push no longer. It reaches air through the
+    /// wind's passes.
+    pub fn set_force(&mut self, is_set: bool) {
+        self.conditions.set_force(is_set);
+    }
+
+    /// Lets the passes run from now on that recover strands: those that are not finite, or that somebody else than a
+    /// step has written. A step freezes where there is one and no pass recovers it.
+    pub fn recover_strands(&mut self) {
+        self.conditions.recover = self.conditions.hair.clone();
+    }
+
+    /// Whether they run, or there are no strands.
+    pub(crate) fn recovers_strands(&self) -> bool {
+        self.conditions.recover == self.conditions.hair
+    }
+}
+
 /// Records how air beside bodies gets its velocity before the first step. The passes run over the state copied to
 /// `predicted` and `new_velocity`, and over pressures of zero.
 pub fn record_start(r: &mut Recorder<'_>, plan: &Plan) {
-    r.when(&plan.walls, |r| {
+    r.when(&plan.conditions.walls, |r| {
         forcing::record_wind(r, plan);
         forcing::record_bodies(r, plan);
         forcing::record_walls(r, plan);

@@ -9,5 +9,7 @@ pub(crate) mod motion;
 pub(crate) mod params;
 pub(crate) mod pressure;
 pub(crate) mod rods;
+pub(crate) mod sort;
 pub(crate) mod taps;
+pub(crate) mod vectors;
 pub(crate) mod winds;

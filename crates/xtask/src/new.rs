@@ -88,7 +88,7 @@ fn {pass}_is_that_of_the_reference() {{
         Place {
             path: step,
             at: At::Inside("\npub fn record(".to_owned(), "\n}\n"),
-            text: format!("\n    r.run(&windswept_shaders::{stage}::{upper}, \"{pass}\", plan.sizes.particles);"),
+            text: format!("\n    r.run(&windswept_shaders::{stage}::{upper}, \"{pass}\", r.sizes().particles);"),
         },
         Place { path: format!("crates/windswept-reference/src/{stage}.rs"), at: At::End, text: reference },
         Place { path: format!("tests/passes/{stage}.rs"), at: At::End, text: test },

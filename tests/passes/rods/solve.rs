@@ -113,7 +113,7 @@ fn long_strands_are_solved_in_several_dispatches() {
         .for_each(|(s, root)| hold(&mut initial.hair, s, root, End::Free));
     motion(&mut initial.hair, 30.0, 300.0, 6);
     let fixture = Fixture::new(&scene_with(3, "newton = 8", [2000; 4]), &initial);
-    let (mut s, dispatches) = (fixture.reference.clone(), fixture.plan.newton_dispatches);
+    let (mut s, dispatches) = (fixture.reference.clone(), fixture.plan.rods.newton_dispatches);
     fixture.adopt(&mut s);
     let p = fixture.parameters.clone();
     fixture.run(|r, plan| {
@@ -235,8 +235,8 @@ fn update_measures_stretch_and_finds_bad_strands() {
             Some(place) => points[hair.points(victim).end - 1].displacement[1] = place,
             None => segments[hair.segments(victim).end - 1].frame[3] = f32::NAN,
         }
-        let update = |r: &mut Recorder<'_>, plan: &Plan| {
-            r.run(&windswept_shaders::rods::UPDATE, "health", plan.sizes.strands);
+        let update = |r: &mut Recorder<'_>, _: &Plan| {
+            r.run(&windswept_shaders::rods::UPDATE, "health", r.sizes().strands);
         };
         let write = |status: Status| {
             fixture.engine.write(&s.rod_points, &points).unwrap();

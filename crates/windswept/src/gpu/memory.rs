@@ -14,8 +14,9 @@ use crate::{
     aliasing::Aliasing,
     array::{AnyArray, Array, Lifetime, is_uniform},
     error::GpuError,
-    gpu::{Gpu, textures},
+    gpu::Gpu,
     state::State,
+    textures,
 };
 
 /// Size of a row of a uniform, four words \[bytes\].

@@ -11,9 +11,9 @@ use windswept_shaders::{Bound, TEXTURE_ROW};
 
 use crate::{
     error::GpuError,
-    gpu::textures::{self, Reading},
     gpu::{Gpu, Memory, Switches},
     recorder::{Command, Recording},
+    textures::{self, Reading},
 };
 
 /// A recorded step, ready to replay.

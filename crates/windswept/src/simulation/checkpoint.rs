@@ -346,7 +346,7 @@ impl Simulation {
         let driven = Driven {
             root_frames: self.root_frames.clone(),
             wind: self.wind_set,
-            pushes: self.plan.pushes.runs,
+            pushes: self.plan.conditions.pushes.runs,
             resets: self.resets.clone(),
         };
         let mut writing = Writing::begin(out, FORMAT).map_err(io)?;

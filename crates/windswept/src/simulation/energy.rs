@@ -22,7 +22,7 @@ impl Simulation {
     /// # Errors
     /// As [`Self::density`].
     pub fn band_energy(&self) -> Result<Vec<f32>, RunError> {
-        let (Some(band), true) = (self.scene.turbulence.bands.first(), self.plan.turbulence.runs) else {
+        let (Some(band), true) = (self.scene.turbulence.bands.first(), self.plan.conditions.turbulence.runs) else {
             return Ok(Vec::new());
         };
         let air = self.air_now()?;
@@ -36,7 +36,7 @@ impl Simulation {
     /// # Errors
     /// As [`Self::density`], and [`RunError::Measurement`] for a scale that no grid can have.
     pub fn spectrum(&self, scales: &[f64]) -> Result<Vec<f64>, RunError> {
-        if !self.plan.air.runs {
+        if !self.plan.conditions.air.runs {
             return Ok(Vec::new());
         }
         let air = self.air_now()?;
@@ -46,7 +46,7 @@ impl Simulation {
     /// Energies of the scene's bands at the start and now.
     pub(super) fn band_energies(&self) -> Result<Vec<BandEnergy>, RunError> {
         let bands = &self.scene.turbulence.bands;
-        if !self.plan.air.runs || bands.is_empty() {
+        if !self.plan.conditions.air.runs || bands.is_empty() {
             return Ok(Vec::new());
         }
         let (before, now) = (self.air_at_start(), self.air_now()?);

@@ -99,7 +99,7 @@ impl Simulation {
 
     /// Makes room for accelerations and lets them push, or neither.
     pub(super) fn plan_force(&mut self, pushes: bool) -> Result<(), GpuError> {
-        if self.plan.pushes.runs == pushes {
+        if self.plan.conditions.pushes.runs == pushes {
             return Ok(());
         }
         self.engine.make_room_for_force(pushes)?;

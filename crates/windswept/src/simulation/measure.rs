@@ -14,7 +14,7 @@ impl Simulation {
     /// [`RunError`] when the neighbour list cannot grow or the device is lost.
     pub fn density(&mut self) -> Result<Vec<f32>, RunError> {
         self.measure(Quantity::Density)?;
-        if !self.plan.neighbours.runs {
+        if !self.plan.conditions.neighbours.runs {
             return Ok(Vec::new());
         }
         let mut density = self.engine.read(&self.engine.state().density)?;
@@ -30,7 +30,7 @@ impl Simulation {
     /// As [`Self::density`].
     pub fn air_vorticity(&mut self) -> Result<Vec<f32>, RunError> {
         self.measure(Quantity::Vorticity)?;
-        if !self.plan.neighbours.runs {
+        if !self.plan.conditions.neighbours.runs {
             return Ok(Vec::new());
         }
         let hair = self.engine.sizes().hair_points as usize;
@@ -42,7 +42,7 @@ impl Simulation {
     /// Runs the passes of a quantity over the committed state. A step that ended the run stays frozen: only for these
     /// passes it thaws.
     fn measure(&mut self, quantity: Quantity) -> Result<(), RunError> {
-        if !self.plan.neighbours.runs {
+        if !self.plan.conditions.neighbours.runs {
             return Ok(());
         }
         if self.last.causes != 0 {

@@ -54,14 +54,19 @@ impl Simulation {
             ms_first_step: self.first_step_ms,
             passes: self.pass_times(),
             skipped: self.skipped(),
-            max_stretch: self.plan.hair.runs.then(|| status::max_stretch(&self.last).into()),
-            strand_steps: self.plan.hair.runs.then(|| status::strand_steps(&self.last)),
+            max_stretch: self.plan.conditions.hair.runs.then(|| status::max_stretch(&self.last).into()),
+            strand_steps: self.plan.conditions.hair.runs.then(|| status::strand_steps(&self.last)),
             density_error_rms: rms(&mut air_errors.clone()),
             over_density_rms: rms(&mut air_errors.map(|e| e.max(0.0))),
             momentum_kg_m_per_s: self.momentum(&velocities),
             confinement_impulse_kg_m_per_s: self.confinement_impulse()?,
             bodies: self.bodies()?,
-            confinement_limited_steps: self.plan.turbulence.runs.then(|| status::confinement_limited_steps(&self.last)),
+            confinement_limited_steps: self
+                .plan
+                .conditions
+                .turbulence
+                .runs
+                .then(|| status::confinement_limited_steps(&self.last)),
             band_energy: self.band_energies()?,
             memory_bytes: self.engine.memory_bytes(),
             resets: self.resets.clone(),
@@ -90,7 +95,7 @@ impl Simulation {
     }
 
     fn outside(&self, hair: &[[f32; 4]]) -> u64 {
-        if !self.plan.air.runs {
+        if !self.plan.conditions.air.runs {
             return 0;
         }
         let size = self.initial.air.size.as_vec3().to_array();
@@ -118,7 +123,7 @@ impl Simulation {
     pub fn confinement_impulse(&self) -> Result<Option<[f64; 3]>, RunError> {
         let [impulse] = self.engine.read_vec4([&self.engine.state().confinement_impulse])?;
         let sum = impulse.first().map(|p| [p[0], p[1], p[2]].map(f64::from));
-        Ok(sum.filter(|_| self.plan.turbulence.runs))
+        Ok(sum.filter(|_| self.plan.conditions.turbulence.runs))
     }
 
     /// Impulse that the air has given each body so far, by its pressure and by friction, in the order of the scene \[kg

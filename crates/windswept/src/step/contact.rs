@@ -5,14 +5,14 @@ use windswept_shaders::{
     contact, reduce,
 };
 
-use crate::{plan::Plan, recorder::Recorder};
+use crate::{recorder::Recorder, step::Plan};
 
 /// Records the passes of this stage.
 pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     r.stage("contact");
-    r.when(&plan.bodies, |r| {
-        r.when(&plan.air, |r| {
-            let (n, s) = (&plan.sizes, r.state());
+    r.when(&plan.conditions.bodies, |r| {
+        r.when(&plan.conditions.air, |r| {
+            let (n, s) = (r.sizes(), r.state());
             r.run(&contact::AIR, "air flows around bodies", n.air());
             r.run(&contact::BODY_IMPULSE, "impulse of air on each body", n.bodies * CHUNKS * WORKGROUP)
                 .bind("partial_sum", &s.partial_by_body);

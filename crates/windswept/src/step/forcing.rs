@@ -2,47 +2,63 @@
 
 use windswept_shaders::{common::reduce::TERMS, forcing, reduce};
 
-use crate::{plan::Plan, recorder::Recorder, step::ONE_WORKGROUP};
+use crate::{
+    recorder::{Decision, Recorder},
+    setup::Setup,
+    step::{ONE_WORKGROUP, Plan},
+};
+
+/// Decisions of this stage.
+#[derive(Debug, Clone)]
+pub struct ForcingPlan {
+    /// Whether the wind draws the air behind the faces that it enters through, and is held at what it is there.
+    pub fringe: Decision,
+}
+
+pub(super) fn plan(setup: &Setup<'_>) -> ForcingPlan {
+    let has_fringe = setup.scene.air.as_ref().is_some_and(|air| air.fringe > 0.0);
+    ForcingPlan { fringe: Decision::when(has_fringe, "air.fringe is 0") }
+}
 
 /// Records the passes of this stage.
 pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     r.stage("forcing");
-    let (n, fringe_deficit) = (&plan.sizes, r.state().fringe_deficit);
+    let (n, c, fringe_deficit) = (r.sizes(), &plan.conditions, r.state().fringe_deficit);
     record_wind(r, plan);
     record_bodies(r, plan);
-    r.when(&plan.hair, |r| {
-        r.when(&plan.recover, |r| {
+    r.when(&c.hair, |r| {
+        r.when(&c.recover, |r| {
             r.run(&forcing::RESET, "a strand that is not finite starts from rest", n.strands);
         });
         r.run(&forcing::ROOTS, "where clamps go", n.strands);
-        r.when(&plan.hair_meets_air, |r| {
+        r.when(&c.neighbours, |r| {
             r.run(&forcing::HAIR_DRIFT, "hair drifts among air", n.hair_points);
         });
-        r.when(&plan.pressed_hair, |r| {
+        r.when(&c.pressed_hair, |r| {
             r.run(&forcing::EXTRAPOLATE, "the velocity that hair counts with", n.strands);
         });
     });
-    r.when(&plan.wind, |r| {
-        r.when(&plan.fringe, |r| {
+    r.when(&c.wind(), |r| {
+        r.when(&plan.forcing.fringe, |r| {
             r.run(&forcing::FRINGE_DEFICIT, "deficit of the wind in the fringe", n.air().div_ceil(TERMS));
             r.run(&reduce::TOTAL, "total deficit", ONE_WORKGROUP).bind("totals", &fringe_deficit);
         });
         r.run(&forcing::FRINGE, "wind enters", n.air());
     });
-    r.when(&plan.fields, |r| {
-        r.when(&plan.wind, |r| {
+    r.when(&c.fields, |r| {
+        r.when(&c.wind(), |r| {
             r.run(&forcing::DRIVE_AIR, "force fields draw air", n.air());
         });
     });
-    r.when(&plan.pushes, |r| {
-        r.when(&plan.wind, |r| {
+    r.when(&c.pushes, |r| {
+        r.when(&c.wind(), |r| {
             r.run(&forcing::PUSH_AIR, "the force that was set pushes air", n.air());
         });
     });
-    r.when(&plan.pbf, |r| {
+    r.when(&c.pbf, |r| {
         r.run(&forcing::PREDICT, "air moves", n.air());
     });
-    r.when(&plan.divergence, |r| {
+    r.when(&c.divergence, |r| {
         r.run(&forcing::ADVANCE, "air moves on as pressure last changed it", n.air());
     });
     record_walls(r, plan);
@@ -51,11 +67,12 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
 /// Records the mean wind of the next step, and the strengths of the force fields.
 pub fn record_wind(r: &mut Recorder<'_>, plan: &Plan) {
     r.stage("forcing");
-    r.when(&plan.blows, |r| {
+    let c = &plan.conditions;
+    r.when(&c.blows, |r| {
         r.run(&forcing::MEAN_WIND, "mean wind of the step", ONE_WORKGROUP);
     });
-    r.when(&plan.fields, |r| {
-        r.when(&plan.blows, |r| {
+    r.when(&c.fields, |r| {
+        r.when(&c.blows, |r| {
             r.run(&forcing::FIELD_STRENGTHS, "strengths of the force fields", 1);
         });
     });
@@ -64,15 +81,15 @@ pub fn record_wind(r: &mut Recorder<'_>, plan: &Plan) {
 /// Records where bodies are in the next step.
 pub fn record_bodies(r: &mut Recorder<'_>, plan: &Plan) {
     r.stage("forcing");
-    r.when(&plan.bodies, |r| {
-        r.run(&forcing::BODIES, "bodies move", plan.sizes.bodies);
+    r.when(&plan.conditions.bodies, |r| {
+        r.run(&forcing::BODIES, "bodies move", r.sizes().bodies);
     });
 }
 
 /// Records the walls that bodies are to the air.
 pub fn record_walls(r: &mut Recorder<'_>, plan: &Plan) {
     r.stage("forcing");
-    r.when(&plan.walls, |r| {
-        r.run(&forcing::WALLS, "walls of bodies to air", plan.sizes.particles);
+    r.when(&plan.conditions.walls, |r| {
+        r.run(&forcing::WALLS, "walls of bodies to air", r.sizes().particles);
     });
 }

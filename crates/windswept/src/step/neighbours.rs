@@ -8,44 +8,30 @@ use windswept_shaders::{
 
 use crate::{
     array::{AnyArray, Index},
-    plan::Plan,
     recorder::Recorder,
-    step::ONE_WORKGROUP,
+    setup::Setup,
+    step::{ONE_WORKGROUP, Plan},
+    upload::sort::Sort,
 };
 
-/// A counting sort: of how many particles, into how many cells.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Sort {
-    /// Particles.
-    pub particles: u32,
-    /// Cells, of air and of hair.
-    pub buckets: u32,
-    /// Rows of cells.
-    pub rows: u32,
-    /// Clusters that are made of the rows, at most.
-    pub clusters: u32,
+/// Decisions of this stage.
+#[derive(Debug, Clone)]
+pub struct NeighboursPlan {
+    /// How particles are sorted for the search.
+    pub sort: Sort,
 }
 
-impl Sort {
-    pub(crate) fn new(params: &Params) -> Self {
-        let kinds = if params.first_sorted < params.hair_points { 2 } else { 1 };
-        let rows = params.cells[1].max(0).saturating_mul(params.cells[2].max(0)).unsigned_abs();
-        Self {
-            particles: params.particles - params.first_sorted,
-            buckets: params.box_cells.saturating_mul(kinds),
-            rows: rows.saturating_mul(kinds),
-            clusters: params.clusters,
-        }
-    }
+pub(super) fn plan(setup: &Setup<'_>) -> NeighboursPlan {
+    NeighboursPlan { sort: Sort::new(&setup.params) }
 }
 
 /// Records the passes of this stage.
 pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     r.stage("neighbours");
-    r.when(&plan.neighbours, |r| {
+    r.when(&plan.conditions.neighbours, |r| {
         let sorted = r.state().sorted;
-        sort(r, Index::new(0), &plan.sort, &sorted);
-        r.dispatch_neighbours(&neighbours::LIST, "neighbours", plan.sizes.clusters_of_all());
+        sort(r, Index::new(0), &plan.neighbours.sort, &sorted);
+        r.dispatch_neighbours(&neighbours::LIST, "neighbours", r.sizes().clusters_of_all());
     });
 }
 

@@ -5,7 +5,7 @@ use windswept_shaders::common::body::{Body, Grid};
 
 use crate::upload::{
     motion::Motions,
-    rods::{quat, vec3},
+    vectors::{quat, vec3},
 };
 
 /// The scene's bodies, in local coordinates.

@@ -3,7 +3,7 @@
 use windswept_scene::{Force, ForceField, InitialState, Scene};
 use windswept_shaders::common::field::{Field, JET, POINT, VORTEX};
 
-use crate::upload::rods::vec3;
+use crate::upload::vectors::vec3;
 
 /// The scene's force fields, in local coordinates, and their keyframes. There are none where fields do nothing.
 #[derive(Debug, Default)]

@@ -6,7 +6,7 @@ use glam::DQuat;
 use windswept_scene::{Motion, Scene};
 use windswept_shaders::common::motion::Keyframe;
 
-use crate::upload::rods::{quat, vec3};
+use crate::upload::vectors::{quat, vec3};
 
 /// The keyframes of all motions, and the groups of hair and bodies that they belong to.
 #[derive(Debug, Clone, PartialEq, Default)]

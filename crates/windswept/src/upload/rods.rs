@@ -7,23 +7,14 @@ use windswept_shaders::common::rod::{
     TIP_JOINT,
 };
 
-use crate::upload::motion::Motions;
+use crate::upload::{
+    motion::Motions,
+    vectors::{quat, vec3},
+};
 
 /// Rounds of the loops of one invocation of `rods/solve` or `rods/gauss_seidel`, at most: Mesa's software adapter ends
 /// the loops of an invocation after 65 535 rounds in all, without a word.
 const ROUNDS: u32 = 30_000;
-
-pub(crate) fn vec3(v: DVec3) -> [f32; 3] {
-    v.as_vec3().to_array()
-}
-
-pub(crate) fn vec4(v: DVec3, w: f64) -> [f32; 4] {
-    v.extend(w).as_vec4().to_array()
-}
-
-pub(crate) fn quat(q: DQuat) -> [f32; 4] {
-    q.as_quat().to_array()
-}
 
 /// The motion of a strand's roots, and the centre that it turns about, in local coordinates; none of a strand of no
 /// group.
