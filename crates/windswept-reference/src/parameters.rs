@@ -2,8 +2,8 @@
 
 use glam::{DVec3, IVec3};
 use windswept_scene::{
-    Band, FluidSolver, InflowWave, InitialState, Integrator, Law, Model, Motion, Rest, Scene, Solver, Turbulence,
-    ViscosityForm,
+    Band, FluidSolver, InflowWave, InitialState, Integrator, Law, Model, Motion, Scene, Solver, Turbulence,
+    ViscosityForm, derived::Rest,
 };
 
 use crate::{
@@ -14,6 +14,10 @@ use crate::{
 
 /// Distance of the nodes of the coarse grid \[particle spacings\].
 pub const COARSE: f64 = 3.0;
+/// Share f of the way of air in a step by which its particles are spread, with the coarse grid and without.
+const SPREADING: [f64; 2] = [0.1, 0.05];
+/// Share of its unevenness that still air takes out in a second.
+const SETTLING_RATE: f64 = 725.0;
 
 /// Numbers of a scene, per engine step: substeps are divided out.
 #[derive(Debug, Clone, PartialEq)]
@@ -173,8 +177,11 @@ impl Parameters {
             viscosity_hair: scene.viscosity.hair / substeps,
             viscosity_air: scene.viscosity.air / substeps,
             viscosity_eddies: air.map_or(0.0, |air| scene.viscosity.eddies(initial.air.volume, air.kernel_radius)),
-            spreading: scene.spreading(),
-            settling: scene.settling(),
+            spreading: SPREADING[usize::from(!scene.has_coarse_grid())],
+            settling: match scene.interaction.model {
+                Model::Particles => 0.0,
+                Model::TwoWay | Model::Drag | Model::None => (SETTLING_RATE * scene.time.step / substeps).min(1.0),
+            },
             limited: scene.viscosity.form == ViscosityForm::Limited,
             rod_iterations: scene.rods.iterations,
             newton_steps: scene.rods.newton + if scene.bodies.is_empty() { 0 } else { scene.rods.newton / 2 },

@@ -15,7 +15,24 @@ use windswept_reference::{
     sph_kernels::spiky_gradient,
     step::step,
 };
-use windswept_scene::{FluidSolver, InitialState};
+use windswept_scene::{FluidSolver, InitialState, Scene};
+
+/// Air is spread more where the coarse grid runs.
+#[test]
+fn the_coarse_grid_bears_more_spreading() {
+    for (sets, share) in [
+        (&["interaction.model=two-way"][..], 0.1),
+        (&["interaction.model=two-way", "fluid.coarse=false"], 0.05),
+        (&["interaction.model=two-way", "air.kernel_radius=6e-3"], 0.05),
+        (&["interaction.model=two-way", "body={shape='sphere',center=[0.1,0.06,0.035],radius=0.01}"], 0.1),
+        (&["interaction.model=particles"], 0.05),
+    ] {
+        let sets: Vec<_> = sets.iter().map(|set| (*set).to_owned()).collect();
+        let scene = Scene::parse_with("scene", include_str!("../../../examples/scenes/quick.toml"), &sets).unwrap();
+        let initial = InitialState::new(&scene).unwrap();
+        assert_eq!(Parameters::new(&scene, &initial).spreading, share, "{sets:?}");
+    }
+}
 
 /// Relaxations are those that the scheme was measured with, and what they leave of a divergence is between 0 and 1.
 #[test]

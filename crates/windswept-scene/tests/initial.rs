@@ -316,17 +316,3 @@ fn a_margin_cuts_the_box_to_the_hairs_reach() {
     let air = brush(&[huge, "air.margin=0.01", "hair.length=0.03"]).1.air;
     assert!(air.positions.len() < 40_000, "{}", air.positions.len());
 }
-
-/// Air is spread more where the coarse grid runs.
-#[test]
-fn the_coarse_grid_bears_more_spreading() {
-    for (sets, share) in [
-        (&["interaction.model=two-way"][..], 0.1),
-        (&["interaction.model=two-way", "fluid.coarse=false"], 0.05),
-        (&["interaction.model=two-way", "air.kernel_radius=6e-3"], 0.05),
-        (&["interaction.model=two-way", "body={shape='sphere',center=[0.1,0.06,0.035],radius=0.01}"], 0.1),
-        (&["interaction.model=particles"], 0.05),
-    ] {
-        assert_eq!(brush(sets).0.spreading(), share, "{sets:?}");
-    }
-}

@@ -9,7 +9,7 @@ use windswept_shaders::common::{
     params::{ALONE, MEAN_WIND, PARTICLES, Params, TWO_WAY},
 };
 
-use crate::upload::rods;
+use crate::upload::{pressure, rods};
 
 /// Cells of the neighbour search in a kernel radius, per axis: fine along x, where cells of a row follow one another in
 /// memory.
@@ -49,8 +49,8 @@ pub(crate) fn uniform(scene: &Scene, initial: &InitialState) -> Params {
         viscosity_air: (scene.viscosity.air / substeps) as f32,
         damping: scene.rods.damping as f32,
         failed_strand_limit: FAILED_STRANDS.max(strands / 100),
-        spreading: scene.spreading() as f32,
-        settling: scene.settling() as f32,
+        spreading: pressure::spreading(scene) as f32,
+        settling: pressure::settling(scene) as f32,
         lift: scene.interaction.lift as f32,
         published_law: u32::from(scene.turbulence.law == Law::Published),
         direct_rods: u32::from(scene.rods.solver == Solver::Direct),

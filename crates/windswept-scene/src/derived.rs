@@ -1,4 +1,5 @@
-//! When a strand is at rest, by its stiffness and its weight.
+//! Quantities of the method that engine and reference both take from here, so that no comparison of the two checks
+//! them: bounds of rest, by a strand's stiffness and weight. `tests/strands.rs` does, by formulas.
 
 use crate::{
     scene::Scene,
