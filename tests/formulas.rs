@@ -100,7 +100,7 @@ fn wrong_constants_of_wind_turn_rows_red() {
         (&rods::DRAG, "FORM: f32 = 10.0", "FORM: f32 = 10.1", "drag"),
         (&rods::DRAG, "FRICTION: f32 = 5.4", "FRICTION: f32 = 5.41", "drag"),
         (&rods::REACT, "params.air_inverse_mass * own.w", "1.01 * params.air_inverse_mass * own.w", "exchange"),
-        (&forcing::FRINGE, "GRIP: f32 = 10.0", "GRIP: f32 = 10.1", "wind"),
+        (&forcing::FRINGE, "RELAXATION: f32 = 10.0", "RELAXATION: f32 = 10.1", "wind"),
         (&forcing::MEAN_WIND, "status.step + 1u", "status.step + 2u", "wind"),
         (&forcing::FIELD_STRENGTHS, "status.step + 1u", "status.step + 2u", "force-fields"),
         (

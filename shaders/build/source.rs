@@ -35,7 +35,7 @@ pub(crate) struct Constant {
 #[derive(Default)]
 pub(crate) struct StructDocs {
     pub(crate) doc: String,
-    /// The comment behind each field, by the field's name.
+    /// The comment behind or above each field, by the field's name.
     pub(crate) fields: BTreeMap<String, String>,
 }
 
@@ -76,10 +76,14 @@ impl Source {
                     let (name, docs) = (std::mem::take(name), std::mem::take(docs));
                     self.structs.insert(name, docs);
                     inside = None;
+                } else if let Some(words) = comment(line.trim()) {
+                    above.push(words);
+                    continue;
                 } else if let Some((field, rest)) = line.trim().split_once(':') {
                     let field = field.rsplit(' ').next().unwrap_or(field);
-                    docs.fields.insert(field.to_owned(), trailing(rest));
+                    docs.fields.insert(field.to_owned(), either(&above, rest));
                 }
+                above.clear();
                 continue;
             }
             if let Some(words) = comment(line) {
@@ -89,9 +93,8 @@ impl Source {
             if let Some(name) = line.strip_prefix("struct ").and_then(|rest| rest.strip_suffix(" {")) {
                 inside = Some((name.to_owned(), StructDocs { doc: above.join(" "), ..StructDocs::default() }));
             } else if line.starts_with("const ") {
-                let doc = [above.join(" "), trailing(line)].into_iter().find(|doc| !doc.is_empty());
-                self.constants
-                    .extend(constant(line, doc.unwrap_or_default()).map_err(|e| format!("{}: {e}", self.name()))?);
+                let doc = either(&above, line);
+                self.constants.extend(constant(line, doc).map_err(|e| format!("{}: {e}", self.name()))?);
             }
             above.clear();
         }
@@ -102,6 +105,11 @@ impl Source {
 /// The words of a line that is nothing but a comment.
 fn comment(line: &str) -> Option<&str> {
     line.strip_prefix("//").map(str::trim)
+}
+
+/// The comment above a line, or else the one at its end.
+fn either(above: &[&str], line: &str) -> String {
+    if above.is_empty() { trailing(line) } else { above.join(" ") }
 }
 
 /// The comment at the end of a line.

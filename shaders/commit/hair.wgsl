@@ -3,7 +3,8 @@
 // the step before: what presses a sleeper all the time must not kick it when it wakes, and BDF2 takes a third of the
 // change of it.
 import package::common::{
-    params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, integration::{KINEMATIC, HOLD}, rod::{RodPoint, PointHistory}, place::placed,
+    params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, integration::{KINEMATIC, HOLD},
+    rod::{RodPoint, PointHistory}, place::placed,
     status::frozen,
 };
 
@@ -11,7 +12,7 @@ import package::common::{
 @group(0) @binding(3) var<storage, read>       new_velocity:   array<vec4f>;
 @group(0) @binding(4) var<storage, read>       final_velocity: array<vec4f>;
 @group(0) @binding(5) var<storage, read>       rod_points:     array<RodPoint>;
-@group(0) @binding(6) var<storage, read>       grip:           array<vec4f>;
+@group(0) @binding(6) var<storage, read>       tangential_spring: array<vec4f>;
 @group(0) @binding(7) var<storage, read_write> point_history:  array<PointHistory>;
 
 @compute @workgroup_size(WORKGROUP)
@@ -36,7 +37,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         remainder,
         select(external_dv, point_history[p].external_dv, stays),
         select(own, point_history[p].own, stays),
-        grip[p].xyz,
+        tangential_spring[p].xyz,
         point.rest_drift + ((predicted[p].xyz - x) + (remainder - before)),
         point.pin_force,
     );

@@ -1,8 +1,10 @@
 // Contact of strands with bodies, solved with the rods. A place of a strand is one of its points, or the place of a
 // segment that is nearest to a body. It has a contact with each body, a one-sided spring with Coulomb friction:
 //
-//   normal     f = lambda - k (phi + D), where that is above 0     phi: distance from the surface after the step, k = max(100, h^2 OMEGA^2)/W
-//   friction   F = F_old - k slip, no longer than mu f_lag     slip: the way along the surface in the step, F_old: F of the step before
+//   normal     f = lambda - k (phi + D), where that is above 0
+//       phi: distance from the surface after the step, k = max(100, h^2 OMEGA^2)/W
+//   friction   F = F_old - k slip, no longer than mu f_lag
+//       slip: the way along the surface in the step, F_old: F of the step before
 //
 // W is the move of the place by a unit of force, as of a point. D is the depth that the place may keep in this step:
 // what starts inside comes out at RECOVERY. The multiplier lambda is f of the step before, or of the last Newton step
@@ -25,7 +27,7 @@ struct Contact {
     place: f32,         // part of the segment,
     straight: f32,      // and the part that its ends alone would have it at, by which it moves in later Newton steps
     curve: f32,         // m, by which the place shifts along the segment as that turns by 1 rad
-    grip: f32,          // N/m, stiffness of the friction
+    tangential_stiffness: f32,   // N/m, of the friction
     linear: f32,        // N, f by the linear model of the last Newton step
     state: u32,         // bits: LIVE, SLIDES, PLANE
 }
@@ -44,7 +46,8 @@ const STIFFNESS: f32 = 100.0;   // of a contact, at least, over that of the plac
 const OMEGA: f32 = 3.2e3;       // 1/s, frequency of a place on the spring, at least
 const RECOVERY: f32 = 0.15;     // m/s, of hair that comes out of a body
 const ALLOW: f32 = 2e-5;        // m, phi + D that may be left open in a step
-const STAYS: f32 = 0.1;         // lengths of the segment, from the surface, at which a contact ends whatever the linear model says
+// lengths of the segment, from the surface, at which a contact ends whatever the linear model says
+const STAYS: f32 = 0.1;
 const NOTICED: f32 = 1e-5;      // m: a push by less changes nothing that the solve has to settle
 const MIDDLE: f32 = 0.03;       // part of a segment from its ends, within which its points touch in its place
 const REFINED: u32 = 3u;        // times that the nearest place of a segment is refined
@@ -52,8 +55,10 @@ const CLOSE: f32 = 0.002;       // part of a segment by which its nearest place 
 const STANDS: f32 = 0.02;       // and by which it has to move in later Newton steps to be taken there
 const BENDS: f32 = 30.0;        // lengths of the segment: the longest curve
 const LAGS: f32 = 0.02;         // part by which f may differ from f_lag
-const UNEASY: f32 = 0.1;        // rad: a strand that touches and turns by more takes all force for tension in its next Newton step
-const SLIDING: f32 = 0.1;       // part of the grip that resists sliding on, from the Newton step SLOW on
+// rad: a strand that touches and turns by more takes all force for tension in its next Newton step
+const UNEASY: f32 = 0.1;
+// part of the tangential stiffness that resists sliding on, from the Newton step SLOW on
+const SLIDING: f32 = 0.1;
 const SLOW: u32 = 3u;
 
 fn stiffness_of(effective_inverse_mass: f32) -> f32 {
@@ -78,7 +83,8 @@ struct RelativeMove {
 fn seen_from(body: Placed, place: Place) -> RelativeMove {
     let gap = place.start - body.center_before;
     let turned = turned_by(body.turn, gap);
-    return RelativeMove(gap + turned, (place.remainder + place.displacement - (body.center - body.center_before)) - turned);
+    return RelativeMove(gap + turned,
+        (place.remainder + place.displacement - (body.center - body.center_before)) - turned);
 }
 
 fn place_of_point(point: RodPoint) -> Place {
@@ -129,7 +135,10 @@ fn nearest(last: Contact, body: Placed, a: Place, b: Place, first: vec3f, second
         found.seen = seen_from(body, place);
         found.surface = near(body, found.seen.base, found.seen.way);
         let slope = dot(found.surface.normal, chord) / l;
-        if ends || plane || !(starts || moves) || k == REFINED || abs(slope * (high.x - low.x)) < CLOSE * (high.y - low.y) { break; }
+        if ends || plane || !(starts || moves) || k == REFINED
+            || abs(slope * (high.x - low.x)) < CLOSE * (high.y - low.y) {
+            break;
+        }
         if slope < 0.0 { low = vec2f(found.part, slope); } else { high = vec2f(found.part, slope); }
         found.part = low.x - low.y * (high.x - low.x) / (high.y - low.y);
     }
@@ -164,17 +173,20 @@ fn parted(before: Contact, distance: f32, starts: bool) -> Met {
     contact.gap = distance;
     contact.friction = vec3f(0.0);
     contact.force = 0.0;
-    contact.grip = 0.0;
+    contact.tangential_stiffness = 0.0;
     contact.state = before.state & PLANE;
     return Met(contact, !starts && (before.state & LIVE) != 0u, false);
 }
 
 // A contact of a place that answers to a force by `effective_inverse_mass` [m/N], with the body's friction, its way
 // seen from the body and the surface there; `l` is the segment's length.
-fn update_contact(before: Contact, mu: f32, effective_inverse_mass: f32, way: vec3f, surface: Surface, starts: bool, l: f32) -> Met {
+fn update_contact(
+    before: Contact, mu: f32, effective_inverse_mass: f32, way: vec3f, surface: Surface, starts: bool, l: f32,
+) -> Met {
     let plane = (before.state & PLANE) != 0u;
     let normal = select(surface.normal, before.normal, plane);
-    let distance = select(surface.distance, before.before + dot(normal, way), plane) + max(0.0, -before.before - RECOVERY * params.step);
+    let distance = select(surface.distance, before.before + dot(normal, way), plane)
+        + max(0.0, -before.before - RECOVERY * params.step);
     let k = stiffness_of(effective_inverse_mass);
     let force = before.multiplier - k * distance;
     let was_live = (before.state & LIVE) != 0u;
@@ -190,7 +202,7 @@ fn update_contact(before: Contact, mu: f32, effective_inverse_mass: f32, way: ve
     met.contact.gap = distance;
     met.contact.force = force;
     met.contact.friction = vec3f(0.0);
-    met.contact.grip = 0.0;
+    met.contact.tangential_stiffness = 0.0;
     met.contact.state = (before.state & PLANE) | LIVE;
     if is_deep(before.before) { return met; }
     met.lags = abs(distance) > ALLOW;
@@ -203,7 +215,7 @@ fn update_contact(before: Contact, mu: f32, effective_inverse_mass: f32, way: ve
     let slides = length(tried) > most && !(was_sliding && dot(tried, before.friction) < 0.0);
     let part = select(1.0, most / length(tried), slides);
     met.contact.friction = part * tried;
-    met.contact.grip = part * k;
+    met.contact.tangential_stiffness = part * k;
     met.contact.state |= select(0u, SLIDES, slides);
     met.changed = met.changed || (slides != was_sliding && !starts);
     return met;
@@ -212,12 +224,12 @@ fn update_contact(before: Contact, mu: f32, effective_inverse_mass: f32, way: ve
 // The stiffness of a contact, and the force by which it resists; the Newton step counts from 0.
 fn resists(contact: Contact, effective_inverse_mass: f32, step: u32) -> Spring {
     let normal = dyad(stiffness_of(effective_inverse_mass), contact.normal);
-    let grip = contact.grip;
-    var along = Symmetric(vec3f(grip), vec3f(0.0));
-    along = minus(along, dyad(grip, contact.normal));
-    if (contact.state & SLIDES) != 0u && grip > 0.0 {
+    let stiffness = contact.tangential_stiffness;
+    var along = Symmetric(vec3f(stiffness), vec3f(0.0));
+    along = minus(along, dyad(stiffness, contact.normal));
+    if (contact.state & SLIDES) != 0u && stiffness > 0.0 {
         let keeps = select(1.0, 1.0 - SLIDING, step >= SLOW);
-        along = minus(along, dyad(keeps * grip, normalize(contact.friction)));
+        along = minus(along, dyad(keeps * stiffness, normalize(contact.friction)));
     }
     return Spring(plus(normal, along), -contact.force * contact.normal - contact.friction);
 }

@@ -2,7 +2,8 @@
 import package::common::{params::params, sph_kernels::spiky_slope};
 
 struct FrictionPoint {
-    pull: vec3f,         // m/s, how it would go through this step without friction, and the pull of its grip
+    // m/s, how it would go through this step without friction, and the pull of its tangential spring
+    pull: vec3f,
     multiplier: f32,     // kg m^2, sum of lambda times the relaxation over the iterations of this step
     moved: vec3f,        // m/s, how it went through the last step
     inverse_mass: f32,   // 1/kg

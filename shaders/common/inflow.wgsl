@@ -1,8 +1,8 @@
 // Inflow: behind the faces that it enters through, the fringe draws the air towards it.
 import package::common::{params::params, pi::PI, wind::{mean_wind, wind_path, depth_of}};
 
-const SLOWEST: f32 = 0.3;   // m/s: the fringe keeps some grip while the wind rises
-const GRIP: f32 = 10.0;     // of the fringe, per passage
+const SLOWEST: f32 = 0.3;       // m/s: the fringe draws air also while the wind rises
+const RELAXATION: f32 = 10.0;   // of the fringe, per passage
 
 struct Wave {
     number: vec4f,      // xyz: k [1/m], whole periods to the box; w: phase
@@ -33,6 +33,6 @@ fn rate_at(place: vec3f) -> f32 {
     let depth = depth_of(place, wind);
     let bump = sin(PI * depth / params.fringe);
     let within = select(vec3f(0.0), bump * bump, depth < vec3f(params.fringe));
-    let rate = dot(abs(wind) / speed, within) * GRIP * max(speed, SLOWEST) / params.fringe;
+    let rate = dot(abs(wind) / speed, within) * RELAXATION * max(speed, SLOWEST) / params.fringe;
     return select(0.0, rate, params.fringe * speed > 0.0);
 }

@@ -124,7 +124,8 @@ struct RodPoint {
     inverse_mass: f32,             // 1/kg
     velocity: vec3f,               // m/s, v_n with what acts from outside in this step
     weight: f32,                   // over that of the mass that it moves with
-    before: vec3f,                 // m/s, v_(n-1) with the same; from `rods/update` on v_n, with what contact adds as well
+    // m/s, v_(n-1) with the same; from `rods/update` on v_n, with what contact adds as well
+    before: vec3f,
     scheme: u32,                   // of `integration`: EULER, BDF2, KINEMATIC, HOLD
     previous_move: vec3f,          // m, the move of the step before
     resistance: f32,               // kg/s, from outside, to its velocity at the step's end
@@ -158,10 +159,12 @@ struct PointHistory {
     displacement: vec3f,   // m, the last step's move
     velocity: vec3f,       // m/s, of the step before, with all that acted from outside since
     remainder: vec3f,      // m, what rounding left off the position
-    external_dv: vec3f,    // m/s, all that acted from outside in the last step awake, a mean of those on end in which its strand was
-                        // still; nothing with the model PARTICLES
-    own: vec3f,          // m/s, what its rod and gravity gave it in the last step awake; nothing with the model PARTICLES
-    grip: vec3f,         // m/s, slip that friction of hair on hair holds it back from
+    // m/s, all that acted from outside in the last step awake, a mean of those on end in which its strand was still;
+    // nothing with the model PARTICLES
+    external_dv: vec3f,
+    // m/s, what its rod and gravity gave it in the last step awake; nothing with the model PARTICLES
+    own: vec3f,
+    tangential_spring: vec3f,   // m/s, slip that friction of hair on hair holds it back from
     rest_drift: vec3f,   // m, from where it was when its strand became still
     pin_force: vec3f,    // N, that holds it at a pin
 }

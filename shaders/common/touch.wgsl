@@ -4,7 +4,8 @@ import package::common::{
     params::params, symmetric::{applied_to_columns, dyad, plus, twice_symmetric}, articulated::{Beyond, ONE, crossing},
     body::{BODIES, Placed, near},
     contact::{
-        Contact, Met, Place, LIVE, MIDDLE, PLANE, SLIDES, update_contact, nearest, parted, place_of_point, renewed, effective_inverse_mass_between, resists, seen_from,
+        Contact, Met, Place, LIVE, MIDDLE, PLANE, SLIDES, update_contact, nearest, parted, place_of_point, renewed,
+        effective_inverse_mass_between, resists, seen_from,
         stiffness_of,
     },
     rod::{Strand, Segment, RodStrand, RodPoint},
@@ -12,10 +13,12 @@ import package::common::{
 
 @group(0) @binding(3) var<storage, read>       segments:   array<Segment>;
 @group(0) @binding(5) var<storage, read_write> rod_points: array<RodPoint>;
-@group(0) @binding(7) var<storage, read_write> contacts:   array<Contact>;   // of points, then of segments, each with every body
+// of points, then of segments, each with every body
+@group(0) @binding(7) var<storage, read_write> contacts:   array<Contact>;
 @group(0) @binding(8) var<storage, read>       placed:     array<Placed>;
 
-const BESIDE: f32 = 0.2;      // part of a segment from an end, nearer to which a place of it says nothing of the other end's velocity
+// part of a segment from an end, nearer to which a place of it says nothing of the other end's velocity
+const BESIDE: f32 = 0.2;
 
 // How contacts are after a Newton step.
 struct Touch {
@@ -68,7 +71,9 @@ fn counted(before: Touch, met: Met) -> Touch {
 }
 
 // A place is at least so far from a body as it was, less its way.
-fn met_point(last: Contact, body: Placed, place: Place, starts: bool, renews: bool, reach: f32, may_touch: bool) -> Met {
+fn met_point(
+    last: Contact, body: Placed, place: Place, starts: bool, renews: bool, reach: f32, may_touch: bool,
+) -> Met {
     var contact = last;
     if renews { contact = renewed(last); }
     let seen = seen_from(body, place);
@@ -82,7 +87,8 @@ fn met_point(last: Contact, body: Placed, place: Place, starts: bool, renews: bo
 
 // The segment between two places, with the contacts of its ends.
 fn met_segment(
-    last: Contact, body: Placed, begins: Place, ends: Place, first: Contact, second: Contact, starts: bool, renews: bool, l: f32,
+    last: Contact, body: Placed, begins: Place, ends: Place, first: Contact, second: Contact, starts: bool,
+    renews: bool, l: f32,
     may_touch: bool,
 ) -> Met {
     var contact = last;
@@ -96,7 +102,8 @@ fn met_segment(
         if starts { contact.curve = found.curve; }
     }
     if found.part < MIDDLE || found.part > 1.0 - MIDDLE { return parted(contact, l, starts); }
-    return update_contact(contact, body.friction, found.effective_inverse_mass, found.seen.way, found.surface, starts, l);
+    return update_contact(contact, body.friction, found.effective_inverse_mass, found.seen.way, found.surface, starts,
+        l);
 }
 
 // Leaves contacts to the next step: those of an unsolved strand remember nothing. A point that touches, or that a
@@ -110,7 +117,9 @@ fn leave(strand: Strand, rod: RodStrand, solved: bool) {
         for (var b = 0u; b < count; b++) {
             slow(p, contacts[p * count + b]);
             if k > 0u && contacts[(j - 1u) * count + b].place >= BESIDE { slow(p, contacts[(j - 1u) * count + b]); }
-            if k + 1u < strand.points && contacts[j * count + b].place <= 1.0 - BESIDE { slow(p, contacts[j * count + b]); }
+            if k + 1u < strand.points && contacts[j * count + b].place <= 1.0 - BESIDE {
+                slow(p, contacts[j * count + b]);
+            }
         }
     }
     for (var k = 0u; k < strand.points && !solved; k++) {
@@ -130,7 +139,7 @@ fn forget(i: u32) {
 fn slow(p: u32, contact: Contact) {
     if (contact.state & LIVE) == 0u || rod_points[p].effective_inverse_mass == 0.0 { return; }
     let point = rod_points[p];
-    let sticks = (contact.state & SLIDES) == 0u && contact.grip > 0.0;
+    let sticks = (contact.state & SLIDES) == 0u && contact.tangential_stiffness > 0.0;
     let change = point.displacement - point.previous_move;
     let faster = point.displacement / params.step - point.velocity;
     rod_points[p].previous_move += select(dot(change, contact.normal) * contact.normal, change, sticks);
@@ -154,7 +163,9 @@ fn push_segment(beyond: Beyond, rod: RodStrand, p: u32, j: u32, arm: vec3f) -> B
     for (var b = 0u; b < bodies(rod); b++) {
         let contact = contacts[(params.hair_points + j) * arrayLength(&placed) + b];
         if (contact.state & LIVE) == 0u { continue; }
-        let push = resists(contact, effective_inverse_mass_between(rod_points[p].effective_inverse_mass, rod_points[p + 1u].effective_inverse_mass, contact.place), rod.newton);
+        let between = effective_inverse_mass_between(rod_points[p].effective_inverse_mass,
+            rod_points[p + 1u].effective_inverse_mass, contact.place);
+        let push = resists(contact, between, rod.newton);
         let reach = contact.place * arm;
         let swung = applied_to_columns(push.stiffness, -1.0 * crossing(reach, ONE));
         sum.own = plus(sum.own, push.stiffness);
@@ -174,7 +185,8 @@ fn foresee(rod: RodStrand, p: u32, effective_inverse_mass: f32, shift: vec3f) {
     for (var b = 0u; b < bodies(rod); b++) {
         let i = p * arrayLength(&placed) + b;
         if (contacts[i].state & LIVE) == 0u { continue; }
-        contacts[i].linear = contacts[i].multiplier - stiffness_of(effective_inverse_mass) * (contacts[i].gap + dot(contacts[i].normal, shift));
+        contacts[i].linear = contacts[i].multiplier
+            - stiffness_of(effective_inverse_mass) * (contacts[i].gap + dot(contacts[i].normal, shift));
     }
 }
 fn foresee_segment(rod: RodStrand, p: u32, j: u32, shift: vec3f, swing: vec3f) {
@@ -182,7 +194,9 @@ fn foresee_segment(rod: RodStrand, p: u32, j: u32, shift: vec3f, swing: vec3f) {
         let i = (params.hair_points + j) * arrayLength(&placed) + b;
         let contact = contacts[i];
         if (contact.state & LIVE) == 0u { continue; }
-        let effective_inverse_mass = effective_inverse_mass_between(rod_points[p].effective_inverse_mass, rod_points[p + 1u].effective_inverse_mass, contact.place);
-        contacts[i].linear = contact.multiplier - stiffness_of(effective_inverse_mass) * (contact.gap + dot(contact.normal, shift + contact.place * swing));
+        let effective_inverse_mass = effective_inverse_mass_between(rod_points[p].effective_inverse_mass,
+            rod_points[p + 1u].effective_inverse_mass, contact.place);
+        contacts[i].linear = contact.multiplier
+            - stiffness_of(effective_inverse_mass) * (contact.gap + dot(contact.normal, shift + contact.place * swing));
     }
 }

@@ -1,16 +1,21 @@
 // Friction of hair on hair, Coulomb's law over the pairs that the density constraint squeezes: equal and opposite
 // impulses between points of different strands, across the line that joins them.
 //
-//   J_ij = -k_ij u_ij,   k_ij = min(p_ij/(P_i + P_j), mu p_ij/|u_ij|)   u: what of the difference of pulls is normal to x_i - x_j
-//   g_i <- c_i (g_i + w_i sum_j k_ij s_ij)                              s: of the velocities of the last step, as u of pulls
-//   c_i  = sum_j k_ij / sum_j p_ij/(P_i + P_j)                          1 where all pairs stick, towards 0 where they slide
+//   J_ij = -k_ij u_ij,   k_ij = min(p_ij/(P_i + P_j), mu p_ij/|u_ij|)
+//       u: what of the difference of pulls is normal to x_i - x_j
+//   g_i <- c_i (g_i + w_i sum_j k_ij s_ij)
+//       s: of the velocities of the last step, as u of pulls
+//   c_i  = sum_j k_ij / sum_j p_ij/(P_i + P_j)
+//       1 where all pairs stick, towards 0 where they slide
 //
 // The first term of k is the largest that cannot overshoot, whatever the masses; the second is Coulomb's cap (Macklin
-// et al. 2014, eq. 24), with the constraint's own impulse p for the depth. The grip g is the spring of Cundall & Strack
-// (1979), kept by points instead of pairs: it holds what sticks where it is, and what slides lets go of it.
+// et al. 2014, eq. 24), with the constraint's own impulse p for the depth. The tangential spring g is that of Cundall &
+// Strack (1979), kept by points instead of pairs: it holds what sticks where it is, and what slides lets go of it.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, status::frozen, lanes::Near, pairs::Pair, friction_point::{FrictionPoint, pressed},
-    clusters::{take_particle, has_no_hair, of_shared, added_up, meet_own_kind}, own_strand::{Points, points_with, holds},
+    params::params, dispatch::{invocation, WORKGROUP}, status::frozen, lanes::Near, pairs::Pair,
+    friction_point::{FrictionPoint, pressed},
+    clusters::{take_particle, has_no_hair, of_shared, added_up, meet_own_kind},
+    own_strand::{Points, points_with, holds},
     page::of_page,
 };
 
@@ -18,7 +23,8 @@ import package::common::{
 @group(0) @binding(3) var<storage, read>       friction_points:   array<FrictionPoint>;
 @group(0) @binding(5) var<storage, read>       normal_impulses:  array<f32>;   // P [m/s]
 @group(0) @binding(6) var<storage, read_write> shift:     array<vec4f>;        // m, by friction
-@group(0) @binding(7) var<storage, read_write> grip:      array<vec4f>;        // in: before this step [m/s]; out: after it
+// in: before this step [m/s]; out: after it
+@group(0) @binding(7) var<storage, read_write> tangential_spring: array<vec4f>;
 
 const SLOWEST: f32 = 1e-15;   // m/s: slower than this a pair sticks
 const LEAST: f32 = 1e-30;     // kg, for points that nothing squeezes
@@ -40,7 +46,8 @@ fn across(v: vec3f, gap: vec3f) -> vec3f {
 fn load_neighbour(j: u32) -> Near {
     let other = predicted[j];
     let rub = friction_points[j];
-    return Near(j, other.xyz, other.w, vec4f(rub.pull, rub.multiplier), vec4f(normal_impulses[j], rub.friction, 0.0, 0.0));
+    return Near(j, other.xyz, other.w, vec4f(rub.pull, rub.multiplier),
+        vec4f(normal_impulses[j], rub.friction, 0.0, 0.0));
 }
 
 fn accumulate(other: Pair) {
@@ -77,6 +84,6 @@ fn main(
     let slides = added_up(vec4f(slid, most));
     if has_no_hair(i) { return; }
     shift[i] = vec4f(params.step * own.inverse_mass * changes.xyz, 0.0);
-    let kept = grip[i].xyz + own.inverse_mass * slides.xyz;
-    grip[i] = vec4f(changes.w / max(slides.w, LEAST) * kept, 0.0);
+    let kept = tangential_spring[i].xyz + own.inverse_mass * slides.xyz;
+    tangential_spring[i] = vec4f(changes.w / max(slides.w, LEAST) * kept, 0.0);
 }

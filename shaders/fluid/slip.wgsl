@@ -1,6 +1,6 @@
 // How hair would slip: what `squeeze` and `friction` ask of each hair point. What rod and gravity do to a point is
-// taken from its last step awake. The grip pulls with a quarter of the stiffness that one step bears: with it a point
-// that sticks comes to rest without swinging.
+// taken from its last step awake. The tangential spring pulls with a quarter of the stiffness that one step bears: with
+// it a point that sticks comes to rest without swinging.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, rod::{Point, PointHistory},
     friction_point::FrictionPoint, status::frozen,
@@ -8,10 +8,11 @@ import package::common::{
 
 @group(0) @binding(3) var<storage, read>       velocity:      array<vec4f>;
 @group(0) @binding(4) var<storage, read>       points:        array<Point>;
-@group(0) @binding(5) var<storage, read>       correction:    array<vec4f>;   // xyz [m], w: sum of the multipliers [kg m^2]
+// xyz [m], w: sum of the multipliers [kg m^2]
+@group(0) @binding(5) var<storage, read>       correction:    array<vec4f>;
 @group(0) @binding(6) var<storage, read>       point_history: array<PointHistory>;
 @group(0) @binding(7) var<storage, read_write> friction_points:       array<FrictionPoint>;
-@group(0) @binding(8) var<storage, read_write> grip:          array<vec4f>;   // m/s, before this step
+@group(0) @binding(8) var<storage, read_write> tangential_spring: array<vec4f>;   // m/s, before this step
 
 const STIFFNESS: f32 = 0.25;
 
@@ -21,10 +22,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if (p >= params.hair_points) | frozen() { return; }
     let history = point_history[p];
     let given = correction[p];
-    grip[p] = vec4f(history.grip, 0.0);
+    tangential_spring[p] = vec4f(history.tangential_spring, 0.0);
     let ahead = velocity[p].xyz + history.own + given.xyz / params.step;
     friction_points[p] = FrictionPoint(
-        ahead + STIFFNESS * history.grip,
+        ahead + STIFFNESS * history.tangential_spring,
         given.w,
         history.displacement / params.step,
         inverse_mass[p],

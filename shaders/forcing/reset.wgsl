@@ -9,7 +9,8 @@
 // it there again.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, tangent},
-    rod::{Strand, Segment, StrandHistory, PointHistory, TIP_HELD, FAILED, INVALID}, validity::{FAST, within, root_of, in_reach},
+    rod::{Strand, Segment, StrandHistory, PointHistory, TIP_HELD, FAILED, INVALID},
+    validity::{FAST, within, root_of, in_reach},
     status::{status, frozen, count_bad_strand, finite, finite3, BY_RESET, NO_POINT},
 };
 
@@ -30,7 +31,8 @@ fn invalid(strand: Strand, root: vec3f) -> u32 {
         let frame = orientation[strand.first_segment + min(k, strand.points - 2u)];
         let turns = finite(dot(frame, frame)) && abs(dot(frame, frame) - 1.0) <= UNLIKE;
         let history = point_history[p];
-        let memory = finite3(history.displacement + history.remainder + history.external_dv) && finite3(history.own + history.grip);
+        let memory = finite3(history.displacement + history.remainder + history.external_dv)
+            && finite3(history.own + history.tangential_spring);
         let speeds = within(velocity[p].xyz, FAST) && within(history.velocity, FAST);
         if !(in_reach(strand, root, position[p].xyz) && speeds && memory && turns) { return p; }
     }
@@ -69,7 +71,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         frame = normalize(product(frame, segment.rest_rotation));
         offset += segment.rest_length * tangent(frame);
         let p = strand.first_point + k + 1u;
-        let stays = k + 2u == strand.points && (strand.joints & TIP_HELD) != 0u && in_reach(strand, root, position[p].xyz);
+        let stays = k + 2u == strand.points && (strand.joints & TIP_HELD) != 0u
+            && in_reach(strand, root, position[p].xyz);
         put(p, root, select(offset, position[p].xyz - root, stays));
     }
 }

@@ -78,8 +78,10 @@ impl Walk<'_> {
             let before = largest(points.iter().zip(&s.velocity_before).map(|(a, b)| (xyz(&a.velocity) - *b).length()));
             self.same("commit/hair", before, bounds.speed)?;
             let own = largest(points.iter().zip(&s.own).map(|(a, b)| (xyz(&a.own) - *b).length()));
-            let grip = largest(points.iter().zip(&s.grip).map(|(a, b)| (xyz(&a.grip) - *b).length()));
-            self.same("commit/hair", own.max(grip), bounds.speed)?;
+            let spring = largest(
+                points.iter().zip(&s.tangential_spring).map(|(a, b)| (xyz(&a.tangential_spring) - *b).length()),
+            );
+            self.same("commit/hair", own.max(spring), bounds.speed)?;
         }
         if passes.through("commit/contacts") {
             self.memories(s)?;

@@ -163,7 +163,7 @@ impl Fixture {
             let held_tip = s.inverse_mass[i] == 0.0 && s.hair.points(self.parameters.strand_of[i]).start < i;
             s.position[i] = position[i] + if held_tip { DVec3::ZERO } else { xyz(&points[i].remainder) };
             (s.displacement[i], s.velocity_before[i]) = (xyz(&points[i].displacement), xyz(&points[i].velocity));
-            (s.own[i], s.grip[i]) = (xyz(&points[i].own), xyz(&points[i].grip));
+            (s.own[i], s.tangential_spring[i]) = (xyz(&points[i].own), xyz(&points[i].tangential_spring));
             (s.rest_drift[i], s.external_dv[i]) = (xyz(&points[i].rest_drift), xyz(&points[i].external_dv));
         }
         let memory = |kept: &ContactHistory| Memory { friction: xyz(&kept.friction), force: kept.force.into() };

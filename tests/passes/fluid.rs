@@ -81,14 +81,22 @@ impl Walk<'_> {
     fn friction(&mut self, s: &Reference, w: &mut Scratch, multiplier: &[f64], passes: &mut Passes<'_>) -> Same {
         let (fixture, bounds, p) = (self.fixture, self.bounds, self.p());
         let (state, hair) = (fixture.engine.state(), p.hair_points);
-        w.grip.clone_from(&s.grip);
+        w.tangential_spring.clone_from(&s.tangential_spring);
         if !passes.through("fluid/slip") {
             return Ok(());
         }
         let points: Vec<_> = (0..hair).map(|i| fluid::slip(p, s, i, w.correction[i], multiplier[i])).collect();
         let normal_impulses = fluid::normal_impulse(p, &w.predicted, &s.inverse_mass, &s.volume, &points, &w.near);
-        let (change, grip) =
-            fluid::friction(p, &w.predicted, &s.grip, &s.inverse_mass, &s.volume, &points, &normal_impulses, &w.near);
+        let (change, springs) = fluid::friction(
+            p,
+            &w.predicted,
+            &s.tangential_spring,
+            &s.inverse_mass,
+            &s.volume,
+            &points,
+            &normal_impulses,
+            &w.near,
+        );
         let got = fixture.engine.read(&state.friction_points).unwrap();
         let pairs = || got.iter().zip(&points);
         let speed = |a: &[f32], b: DVec3| (xyz(a) - b).length();
@@ -105,13 +113,13 @@ impl Walk<'_> {
         passes.through("fluid/friction");
         let moves: Vec<DVec3> = change.iter().map(|change| self.p().step * *change).collect();
         self.same("fluid/friction", apart(&fixture.vectors(&state.shift)[..hair], &moves), bounds.length)?;
-        self.same("fluid/friction", apart(&fixture.vectors(&state.grip), &grip), bounds.speed)?;
+        self.same("fluid/friction", apart(&fixture.vectors(&state.tangential_spring), &springs), bounds.speed)?;
         passes.through("fluid/move");
         for (i, shift) in moves.into_iter().enumerate() {
             w.predicted[i] += shift;
             w.correction[i] += shift;
         }
-        w.grip = grip;
+        w.tangential_spring = springs;
         Ok(())
     }
 

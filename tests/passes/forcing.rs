@@ -66,9 +66,9 @@ impl Walk<'_> {
         if passes.through("forcing/roots") {
             let got = fixture.rod_strands();
             let gap = |f: &dyn Fn(usize) -> f64| largest((0..got.len()).map(f));
-            let displacement = gap(&|k| (xyz(&got[k].root_displacement) - w.drives[k].root_displacement).length());
-            let frame = gap(&|k| (quaternion(got[k].root_frame) - w.drives[k].root_frame).length());
-            let turn = gap(&|k| (quaternion(got[k].root_turn) - w.drives[k].root_turn).length());
+            let displacement = gap(&|k| (xyz(&got[k].root_displacement) - w.motions[k].root_displacement).length());
+            let frame = gap(&|k| (quaternion(got[k].root_frame) - w.motions[k].root_frame).length());
+            let turn = gap(&|k| (quaternion(got[k].root_turn) - w.motions[k].root_turn).length());
             self.same("forcing/roots", displacement, bounds.length)?;
             self.same("forcing/roots", frame.max(turn), bounds.frame)?;
             self.states("forcing/roots", &w)?;
@@ -151,12 +151,12 @@ pub const FAULTS: &[Fault] = &[
 /// Largest differences of what clamps do: moves \[m\], frames; and how many strands go in another way.
 pub fn drives_apart(fixture: &Fixture, w: &Scratch) -> (f64, f64, usize) {
     let got = fixture.rod_strands();
-    assert_eq!(got.len(), w.drives.len());
+    assert_eq!(got.len(), w.motions.len());
     let most = |gap: &dyn Fn(usize) -> f64| (0..got.len()).map(gap).fold(0.0, f64::max);
-    let moves = most(&|k| (xyz(&got[k].root_displacement) - w.drives[k].root_displacement).length());
-    let frames = most(&|k| (quaternion(got[k].root_frame) - w.drives[k].root_frame).length());
-    let turns = most(&|k| (quaternion(got[k].root_turn) - w.drives[k].root_turn).length());
-    let states = got.iter().zip(&w.drives).filter(|(a, b)| a.state != b.state as u32).count();
+    let moves = most(&|k| (xyz(&got[k].root_displacement) - w.motions[k].root_displacement).length());
+    let frames = most(&|k| (quaternion(got[k].root_frame) - w.motions[k].root_frame).length());
+    let turns = most(&|k| (quaternion(got[k].root_turn) - w.motions[k].root_turn).length());
+    let states = got.iter().zip(&w.motions).filter(|(a, b)| a.state != b.state as u32).count();
     (moves, frames.max(turns), states)
 }
 
@@ -188,7 +188,7 @@ fn roots_are_those_of_the_reference() {
             fixture.run_only(&["forcing/roots"], step::forcing::record);
             let w = forcing::run(&s, p);
             let (moves, frames, states) = drives_apart(&fixture, &w);
-            let count = |state| w.drives.iter().filter(|drive| drive.state == state).count();
+            let count = |state| w.motions.iter().filter(|motion| motion.state == state).count();
             let counts = [rods::State::Free, rods::State::Sleeping, rods::State::Teleported].map(count);
             println!("{n} strands, {keys:?}, substep {steps} of {substeps}: {moves:.1e} m, {frames:.1e}, {counts:?}");
             assert_eq!(states, 0, "{n}, {keys}: strands go another way");
@@ -307,10 +307,10 @@ fn roots_by_keyframes_are_those_of_the_reference() {
             // Measured 1.2e-7 m and 1.9e-7; margin 4.
             assert!(moves < 5e-7 && frames < 8e-7, "{n}, step {steps}: {moves} m, {frames}");
             // Where the motion has come to rest rounding says whether the clamp still moves.
-            let rests = |drive: &rods::Drive| drive.root_displacement.length() < 1e-6;
+            let rests = |motion: &rods::StrandMotion| motion.root_displacement.length() < 1e-6;
             let w = forcing::run(&s, &fixture.parameters);
             let got = fixture.rod_strands();
-            let strict = got.iter().zip(&w.drives).filter(|(_, drive)| !rests(drive));
+            let strict = got.iter().zip(&w.motions).filter(|(_, motion)| !rests(motion));
             let (mut moving, mut other) = (0, 0);
             for (a, b) in strict {
                 moving += 1;

@@ -74,7 +74,7 @@ impl Walk<'_> {
                 continue;
             }
             let schemes: Vec<_> = fixture.rod_strands().iter().map(|rod| rod.scheme == BDF2).collect();
-            let wanted: Vec<_> = w.drives.iter().map(|drive| drive.step < p.step).collect();
+            let wanted: Vec<_> = w.motions.iter().map(|motion| motion.step < p.step).collect();
             self.same(pass, differing(&schemes, &wanted), 0.0)?;
             // A force is held against what it changes a velocity by.
             let points = fixture.rods().0;
@@ -171,9 +171,9 @@ impl Walk<'_> {
 fn solve_all(s: &Reference, w: &mut Scratch, p: &Parameters) {
     for strand in 0..s.hair.len() {
         if p.direct {
-            rods::solve(p, &s.hair, strand, &mut w.drives[strand], &mut w.moving);
+            rods::solve(p, &s.hair, strand, &mut w.motions[strand], &mut w.moving);
         } else {
-            rods::gauss_seidel(p, &s.hair, strand, &w.drives[strand], &mut w.moving);
+            rods::gauss_seidel(p, &s.hair, strand, &w.motions[strand], &mut w.moving);
         }
     }
 }

@@ -169,7 +169,7 @@ impl Walk<'_> {
 
     /// Compares how strands go through the step.
     pub fn states(&mut self, pass: &'static str, w: &Scratch) -> Same {
-        let wanted: Vec<u32> = w.drives.iter().map(|drive| drive.state as u32).collect();
+        let wanted: Vec<u32> = w.motions.iter().map(|motion| motion.state as u32).collect();
         let got: Vec<u32> = self.fixture.rod_strands().iter().map(|strand| strand.state).collect();
         self.same(pass, differing(&got, &wanted), 0.0)
     }

@@ -124,7 +124,7 @@ fn two_runs_give_the_same_bits() {
         assert!(moved, "{model:?}: nothing happened");
         let engine = simulation.engine();
         let happened = |array| engine.read(array).unwrap().iter().flatten().any(|x: &f32| *x != 0.0);
-        let (dragged, rubbed) = (happened(&engine.state().drag_impulse), happened(&engine.state().grip));
+        let (dragged, rubbed) = (happened(&engine.state().drag_impulse), happened(&engine.state().tangential_spring));
         assert_eq!([dragged, rubbed], [model == Model::TwoWay; 2], "{model:?}");
     }
 }

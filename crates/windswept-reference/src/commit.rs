@@ -114,11 +114,11 @@ pub fn commit(p: &Parameters, s: &mut State, w: Scratch) {
             }
         }
     }
-    s.tip_force = w.drives.iter().map(|drive| drive.tip_force).collect();
-    for (clamp, drive) in s.clamps.iter_mut().zip(&w.drives) {
-        *clamp = (clamp.0 + drive.root_displacement, drive.root_frame);
+    s.tip_force = w.motions.iter().map(|motion| motion.tip_force).collect();
+    for (clamp, motion) in s.clamps.iter_mut().zip(&w.motions) {
+        *clamp = (clamp.0 + motion.root_displacement, motion.root_frame);
     }
-    s.grip = w.grip;
+    s.tangential_spring = w.tangential_spring;
     s.pressed = w.pressed;
     for (i, point) in w.moving.points.iter().enumerate() {
         let strand = p.strand_of[i];

@@ -35,7 +35,7 @@ pub const ABRUPT: f64 = 0.2;
 /// all that it leaves out. Where none is solved the density is found all the same, for viscosity.
 pub fn run(s: &State, w: &mut Scratch, p: &Parameters) {
     w.correction = vec![DVec3::ZERO; w.predicted.len()];
-    w.grip.clone_from(&s.grip);
+    w.tangential_spring.clone_from(&s.tangential_spring);
     w.pressed.clone_from(&s.pressed);
     if !p.air {
         return;
@@ -54,8 +54,16 @@ pub fn run(s: &State, w: &mut Scratch, p: &Parameters) {
         let points: Vec<_> = (0..p.hair_points).map(|i| slip(p, s, i, w.correction[i], multiplier[i])).collect();
         let normal_impulses = normal_impulse(p, &w.predicted, &s.inverse_mass, &s.volume, &points, &w.near);
         let change;
-        (change, w.grip) =
-            friction(p, &w.predicted, &s.grip, &s.inverse_mass, &s.volume, &points, &normal_impulses, &w.near);
+        (change, w.tangential_spring) = friction(
+            p,
+            &w.predicted,
+            &s.tangential_spring,
+            &s.inverse_mass,
+            &s.volume,
+            &points,
+            &normal_impulses,
+            &w.near,
+        );
         for (i, change) in change.into_iter().enumerate() {
             w.predicted[i] += p.step * change;
             w.correction[i] += p.step * change;

@@ -15,14 +15,14 @@ pub(crate) use self::reset::FAR;
 pub use self::reset::{inspect, recover, reset};
 use crate::{
     Parameters, State, contact, fluid,
-    rods::{self, Drive, rotation, rotation_vector},
+    rods::{self, StrandMotion, rotation, rotation_vector},
     step::Scratch,
 };
 
 /// Runs the stage: clamps and bodies move, the wind enters, air moves, and hair drifts among it as if nothing held it.
 #[must_use]
 pub fn run(s: &State, p: &Parameters) -> Scratch {
-    let drives = (0..s.hair.len()).map(|strand| roots(p, s, strand)).collect();
+    let motions = (0..s.hair.len()).map(|strand| roots(p, s, strand)).collect();
     let blowing = mean_wind(p, s.steps + 1);
     let mut predicted = s.position.clone();
     let mut new_velocity = s.velocity.clone();
@@ -50,7 +50,7 @@ pub fn run(s: &State, p: &Parameters) -> Scratch {
     let moving = rods::Moving { bodies: contact::place(p, s.steps), ..rods::Moving::default() };
     let mut w = Scratch {
         blowing,
-        drives,
+        motions,
         fringe_deficit,
         wind_deficit,
         wind_change,
@@ -68,7 +68,7 @@ pub fn run(s: &State, p: &Parameters) -> Scratch {
 /// held too; a strand whose clamp rests may sleep. Free roots go where they will. A held tip goes along by the
 /// keyframes.
 #[must_use]
-pub fn roots(p: &Parameters, s: &State, strand: usize) -> Drive {
+pub fn roots(p: &Parameters, s: &State, strand: usize) -> StrandMotion {
     let (held, mut goal) = (s.clamps[strand], s.root_targets[strand]);
     let (mut tip_goal, mut tip_frame) = (s.tip_targets[strand], s.hair.ends(strand).tip_frame);
     let mut left = u64::from(p.substeps) - s.steps % u64::from(p.substeps);
@@ -96,7 +96,7 @@ pub fn roots(p: &Parameters, s: &State, strand: usize) -> Drive {
     let step = if p.bdf2 && s.bdf2_ready[strand] { p.step * 2.0 / 3.0 } else { p.step };
     if held == goal && tip_way == DVec3::ZERO {
         let state = if p.sleep { rods::State::Sleeping } else { rods::State::Free };
-        return Drive {
+        return StrandMotion {
             root_displacement: DVec3::ZERO,
             root_frame: held.1,
             root_turn: DQuat::IDENTITY,
@@ -104,11 +104,11 @@ pub fn roots(p: &Parameters, s: &State, strand: usize) -> Drive {
             step,
             tip_force,
             tip_frame,
-            ..Drive::default()
+            ..StrandMotion::default()
         };
     }
     let root_turn = rotation(part * rotation_vector(goal.1 * held.1.conjugate()));
-    Drive {
+    StrandMotion {
         root_displacement: part * way,
         root_turn,
         // The frame is the target's to the bit where the clamp arrives: one that was off by rounding would never rest.
@@ -118,7 +118,7 @@ pub fn roots(p: &Parameters, s: &State, strand: usize) -> Drive {
         tip_force,
         tip_displacement,
         tip_frame,
-        ..Drive::default()
+        ..StrandMotion::default()
     }
 }
 

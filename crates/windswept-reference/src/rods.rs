@@ -22,7 +22,7 @@ pub use self::{
     predict::predict,
     solve::{RELATIVE, SETTLED, TURN, WHOLE, potential, solve},
     update::{measure, remember, rests, update},
-    within::{Drive, Load, Moving, Point, Segment, State},
+    within::{Load, Moving, Point, Segment, State, StrandMotion},
 };
 use crate::{Parameters, contact, forcing, state, step::Scratch};
 
@@ -55,9 +55,9 @@ pub fn run(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
     predict_all(s, w, p);
     for strand in 0..s.hair.len() {
         if p.direct {
-            solve(p, &s.hair, strand, &mut w.drives[strand], &mut w.moving);
+            solve(p, &s.hair, strand, &mut w.motions[strand], &mut w.moving);
         } else {
-            gauss_seidel(p, &s.hair, strand, &w.drives[strand], &mut w.moving);
+            gauss_seidel(p, &s.hair, strand, &w.motions[strand], &mut w.moving);
         }
     }
     update_all(s, w, p);
@@ -123,11 +123,11 @@ pub fn exclude_push(s: &state::State, w: &Scratch, p: &Parameters) -> Vec<DVec3>
 /// Decides how each strand goes through the step, and where its solver starts.
 pub fn predict_all(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
     for strand in 0..s.hair.len() {
-        predict(p, s, strand, &mut w.drives[strand], &mut w.moving);
-        let drive = &w.drives[strand];
-        s.euler_steps += usize::from(drive.state == State::Free && p.bdf2 && drive.step == p.step);
-        s.sleeping_steps += usize::from(drive.state == State::Sleeping);
-        s.teleports += usize::from(drive.state == State::Teleported);
+        predict(p, s, strand, &mut w.motions[strand], &mut w.moving);
+        let motion = &w.motions[strand];
+        s.euler_steps += usize::from(motion.state == State::Free && p.bdf2 && motion.step == p.step);
+        s.sleeping_steps += usize::from(motion.state == State::Sleeping);
+        s.teleports += usize::from(motion.state == State::Teleported);
     }
 }
 

@@ -29,7 +29,7 @@ pub struct State {
     /// `particles`.
     pub own: Vec<DVec3>,
     /// Slip that friction of hair on hair holds each hair point back from \[m/s\]: see [`crate::fluid::friction`].
-    pub grip: Vec<DVec3>,
+    pub tangential_spring: Vec<DVec3>,
     /// Memory of pressure of each particle from step to step; 0 with solver `pbf`.
     pub pressed: Vec<Pressed>,
     /// Way of each hair point from where it was when its strand came to rest \[m\].
@@ -109,7 +109,7 @@ impl State {
             velocity_before: hair.velocities.clone(),
             external_dv: vec![DVec3::ZERO; hair.velocities.len()],
             own: vec![DVec3::ZERO; hair.velocities.len()],
-            grip: vec![DVec3::ZERO; hair.velocities.len()],
+            tangential_spring: vec![DVec3::ZERO; hair.velocities.len()],
             pressed: vec![Pressed::default(); hair.velocities.len() + air],
             rest_drift: vec![DVec3::ZERO; hair.velocities.len()],
             segment_rest_drift: vec![DVec3::ZERO; hair.orientations.len()],

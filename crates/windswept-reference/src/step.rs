@@ -64,10 +64,10 @@ pub struct Scratch {
     pub moments: Vec<Moments>,
     /// Memory of pressure of each particle for the next step.
     pub pressed: Vec<Pressed>,
-    /// Grip of each hair point after this step \[m/s\].
-    pub grip: Vec<DVec3>,
+    /// Tangential spring of each hair point after this step \[m/s\].
+    pub tangential_spring: Vec<DVec3>,
     /// Way of each strand through the step, with its clamp's.
-    pub drives: Vec<rods::Drive>,
+    pub motions: Vec<rods::StrandMotion>,
     /// Hair points and segments, as the rods have them, and what they meet.
     pub moving: rods::Moving,
     /// Air at each hair point.

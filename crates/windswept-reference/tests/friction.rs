@@ -34,14 +34,14 @@ fn multipliers(n: usize) -> Vec<f64> {
 /// Coulomb's μ of hair on hair.
 const MU: f64 = 0.3;
 
-/// Changes of velocity and grips, for points that go at `v` and gripped `grip`.
-fn friction(crowd: &Crowd, v: &[DVec3], grip: &[DVec3], multiplier: &[f64]) -> (Vec<DVec3>, Vec<DVec3>) {
+/// Changes of velocity and springs, for points that go at `v` and are held by `springs`.
+fn friction(crowd: &Crowd, v: &[DVec3], springs: &[DVec3], multiplier: &[f64]) -> (Vec<DVec3>, Vec<DVec3>) {
     let (p, x, w, volume) = (&crowd.parameters, &crowd.positions, &crowd.inverse_mass, &crowd.volume);
     let near = crowd.neighbours();
-    let rub = |i: usize| FrictionPoint { pull: v[i] + STIFFNESS * grip[i], moved: v[i], multiplier: multiplier[i] };
+    let rub = |i: usize| FrictionPoint { pull: v[i] + STIFFNESS * springs[i], moved: v[i], multiplier: multiplier[i] };
     let rubs: Vec<_> = (0..p.hair_points).map(rub).collect();
     let normal_impulses = fluid::normal_impulse(p, x, w, volume, &rubs, &near);
-    fluid::friction(p, x, grip, w, volume, &rubs, &normal_impulses, &near)
+    fluid::friction(p, x, springs, w, volume, &rubs, &normal_impulses, &near)
 }
 
 /// Friction changes no momentum, takes energy, and leaves alone points that are held or that move with the others.
@@ -53,15 +53,15 @@ fn friction_is_equal_and_opposite() {
     let loose = vec![DVec3::ZERO; n];
     for mu in [0.3, 1e9] {
         crowd.parameters.friction.fill(mu);
-        let (change, grip) = friction(&crowd, &v, &loose, &multiplier);
-        assert!(change.len() == n && change[5] == DVec3::ZERO && grip[5] == DVec3::ZERO);
+        let (change, springs) = friction(&crowd, &v, &loose, &multiplier);
+        assert!(change.len() == n && change[5] == DVec3::ZERO && springs[5] == DVec3::ZERO);
         let mass = |i: usize| 1.0 / crowd.inverse_mass[i];
         let free = || (0..n).filter(|i| *i != 5);
         let energy: f64 =
             free().map(|i| 0.5 * mass(i) * ((v[i] + change[i]).length_squared() - v[i].length_squared())).sum();
         // The held point takes momentum: without its neighbours the rest keeps it.
         crowd.positions[5] += DVec3::Y * 10.0;
-        let (alone, _) = friction(&crowd, &v, &grip, &multiplier);
+        let (alone, _) = friction(&crowd, &v, &springs, &multiplier);
         let momentum: DVec3 = free().map(|i| mass(i) * alone[i]).sum();
         let size: f64 = free().map(|i| mass(i) * alone[i].length()).sum();
         crowd.positions[5] -= DVec3::Y * 10.0;
@@ -69,15 +69,15 @@ fn friction_is_equal_and_opposite() {
         // Measured 1e-16 of it.
         assert!(momentum.length() < 1e-13 * size && energy < 0.0 && size > 0.0);
     }
-    let (change, grip) = friction(&crowd, &vec![DVec3::X; v.len()], &loose, &multiplier);
-    assert!(change.iter().chain(&grip).all(|vector| *vector == DVec3::ZERO));
+    let (change, springs) = friction(&crowd, &vec![DVec3::X; v.len()], &loose, &multiplier);
+    assert!(change.iter().chain(&springs).all(|vector| *vector == DVec3::ZERO));
     crowd.parameters.friction.fill(0.0);
-    let (change, grip) = friction(&crowd, &v, &loose, &multiplier);
-    assert!(change.iter().chain(&grip).all(|vector| *vector == DVec3::ZERO));
+    let (change, springs) = friction(&crowd, &v, &loose, &multiplier);
+    assert!(change.iter().chain(&springs).all(|vector| *vector == DVec3::ZERO));
 }
 
 /// Two points of two strands feel Coulomb's cap as the constraint squeezes them, and no more than what stops them. They
-/// grip where they stick. Within a strand there is no friction, and the smaller coefficient counts.
+/// tangential spring where they stick. Within a strand there is no friction, and the smaller coefficient counts.
 #[test]
 fn a_pair_slides_or_sticks() {
     let mut crowd = Crowd::new(DVec3::ONE, vec![DVec3::splat(0.5), DVec3::new(0.504, 0.5, 0.5)]);
@@ -88,18 +88,22 @@ fn a_pair_slides_or_sticks() {
     let slip = DVec3::new(0.0, 0.3, -0.2);
     let loose = [DVec3::ZERO; 2];
     for (lambda, sticks) in [(-1e-14, false), (-1e-6, true)] {
-        let (change, grip) = friction(&crowd, &v, &loose, &[lambda, 0.0]);
+        let (change, springs) = friction(&crowd, &v, &loose, &[lambda, 0.0]);
         let impulse = change[0].length() / crowd.inverse_mass[0];
         let slope = windswept_reference::sph_kernels::spiky_slope(0.004, RADIUS);
         let cap = MU * (lambda * VOLUME * slope).abs() / crowd.parameters.step;
         let after = slip + change[0] - change[1];
-        println!("{impulse:.2e} N s of {cap:.2e}, slip {:.3} m/s, grip {:.3} m/s", after.length(), grip[0].length());
+        println!(
+            "{impulse:.2e} N s of {cap:.2e}, slip {:.3} m/s, spring {:.3} m/s",
+            after.length(),
+            springs[0].length()
+        );
         assert!(change[0].x == 0.0 && change[0].cross(slip).length() < 1e-15);
         if sticks {
-            assert!(after.length() < 1e-14 && impulse < cap && (grip[0] - grip[1] - slip).length() < 1e-14);
+            assert!(after.length() < 1e-14 && impulse < cap && (springs[0] - springs[1] - slip).length() < 1e-14);
         } else {
             assert!((impulse / cap - 1.0).abs() < 1e-12 && after.dot(slip) > 0.0);
-            assert!(grip[0].length() < 1e-2 * slip.length());
+            assert!(springs[0].length() < 1e-2 * slip.length());
         }
     }
     crowd.parameters.strand_of = vec![0, 0];

@@ -226,7 +226,7 @@ fn an_invalid_strand_is_reset_at_once() {
             &|s| s.velocity[point].z = value,
             &|s| s.velocity_before[point].x = value,
             &|s| s.orientation[segment].y = value,
-            &|s| s.grip[point].x = f64::NAN,
+            &|s| s.tangential_spring[point].x = f64::NAN,
         ];
         for (k, spoil) in spoils.iter().enumerate() {
             let mut state = start.clone();

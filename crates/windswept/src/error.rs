@@ -46,7 +46,8 @@ pub enum GpuError {
     },
     /// The grid of the band filter would be larger than the adapter allows.
     #[error(
-        "the grid for turbulence.bands of {scale} m would have {nodes} nodes, of which at most {most} fit this adapter; a scale of about {fits:.2e} m would fit"
+        "the grid for turbulence.bands of {scale} m would have {nodes} nodes, of which at most {most} fit this \
+        adapter; a scale of about {fits:.2e} m would fit"
     )]
     BandTooFine {
         /// Scale s of the finest band \[m\].
@@ -103,15 +104,17 @@ fn remedy(array: &str, fits: u64) -> String {
         }
         "contacts" | "contact_history" => {
             format!(
-                "about {fits} contacts would fit, two for each hair point and body: expected fewer bodies, hair.strands or hair.points"
+                "about {fits} contacts would fit, two for each hair point and body: expected fewer bodies, \
+                hair.strands or hair.points"
             )
         }
-        "point_history" | "pins" | "rod_points" | "points" | "inverse_mass" | "drag_impulse" | "grip"
+        "point_history" | "pins" | "rod_points" | "points" | "inverse_mass" | "drag_impulse" | "tangential_spring"
         | "friction_points" => {
             format!("about {fits} hair points would fit: expected fewer hair.strands or hair.points")
         }
         _ => format!(
-            "about {fits} particles would fit: expected a larger air.particle_mass, a smaller air.box or fewer hair.strands"
+            "about {fits} particles would fit: expected a larger air.particle_mass, a smaller air.box or fewer \
+            hair.strands"
         ),
     }
 }
@@ -122,7 +125,8 @@ fn remedy(array: &str, fits: u64) -> String {
 pub enum RunError {
     /// An air particle became non-finite, or faster than 1e6 m/s.
     #[error(
-        "step {step} (t = {} s): position or velocity of air particle {particle} is no finite number, or it is faster than 1e6 m/s, at the end of the step (commit/check){}: the run ends; a smaller time.step may help",
+        "step {step} (t = {} s): position or velocity of air particle {particle} is no finite number, or it is faster \
+        than 1e6 m/s, at the end of the step (commit/check){}: the run ends; a smaller time.step may help",
         six_digits(*time), before(*position, *nearest)
     )]
     NonFiniteAir {
@@ -139,7 +143,9 @@ pub enum RunError {
     },
     /// More strands than max(3, 1 %) became non-finite in one step.
     #[error(
-        "step {step} (t = {} s): {count} strands have numbers that are not finite or that no strand can have, and at most {limit} are put back to rest in a step; the first is point {point} of strand {strand}, found by {pass}: the run ends; a smaller time.step or fewer hair.points may help",
+        "step {step} (t = {} s): {count} strands have numbers that are not finite or that no strand can have, and at \
+        most {limit} are put back to rest in a step; the first is point {point} of strand {strand}, found by {pass}: \
+        the run ends; a smaller time.step or fewer hair.points may help",
         six_digits(*time)
     )]
     TooManyFailedStrands {
@@ -161,7 +167,8 @@ pub enum RunError {
     },
     /// The neighbour list cannot grow as far as the step needs.
     #[error(
-        "step {step} needs a neighbour list of up to {needed} elements, the adapter allows {limit}: particles are crowded or too many"
+        "step {step} needs a neighbour list of up to {needed} elements, the adapter allows {limit}: particles are \
+        crowded or too many"
     )]
     TooManyNeighbours {
         /// Number of elements, of four words, that the step needs at most: of as many pages as there were, all as long

@@ -81,8 +81,9 @@ impl Gpu {
     /// Opens a device on the chosen adapter.
     ///
     /// # Errors
-    /// [`GpuError::NoAdapter`] says what was looked for, what there is and what to install. [`GpuError::NoDevice`] has the driver's words
-    /// when it gives no device, and [`GpuError::Limit`] names the limit that is below WebGPU's default.
+    /// [`GpuError::NoAdapter`] says what was looked for, what there is and what to install. [`GpuError::NoDevice`] has
+    /// the driver's words when it gives no device, and [`GpuError::Limit`] names the limit that is below WebGPU's
+    /// default.
     pub fn new(choice: &AdapterChoice) -> Result<Self, GpuError> {
         let adapter = adapter::choose(choice)?;
         let info = AdapterInfo::new(&adapter.get_info());
@@ -235,7 +236,8 @@ impl Gpu {
     /// Runs `work`, such as drawing beside the engine, and turns what the driver says of it into an error.
     ///
     /// # Errors
-    /// [`GpuError::Driver`] with what was being done and the driver's words, [`GpuError::Lost`] when the device is gone.
+    /// [`GpuError::Driver`] with what was being done and the driver's words, [`GpuError::Lost`] when the device is
+    /// gone.
     pub fn checked<T>(&self, doing: impl Fn() -> String, work: impl FnOnce() -> T) -> Result<T, GpuError> {
         let (result, error) = self.scoped(work);
         match error {

@@ -8,8 +8,9 @@
 //! * **Embed.** [`Gpu::new`] opens an adapter, [`Gpu::from_device`] takes a device that the program has already. A
 //!   [`windswept_scene::Scene`], read from a file or made in code, becomes a [`Simulation`], of the scene's own strands
 //!   or of a groom ([`Simulation::with_groom`]).
-//! * **Step.** [`Simulation::step`] runs steps and waits for them; [`Simulation::encode_steps`] and [`Simulation::finish_steps`]
-//!   put them into the program's own command encoder. [`Simulation::set_roots`], [`Simulation::set_wind`] and
+//! * **Step.** [`Simulation::step`] runs steps and waits for them; [`Simulation::encode_steps`] and
+//!   [`Simulation::finish_steps`] put them into the program's own command encoder. [`Simulation::set_roots`],
+//!   [`Simulation::set_wind`] and
 //!   [`Simulation::set_force`] drive it between steps.
 //! * **Read.** [`Simulation::frame`] is the state as arrays, [`Simulation::report`] what ran, how fast and how well.
 //! * **Keep.** [`Simulation::save`] writes all that lasts from step to step into a file, [`Simulation::load`] goes on

@@ -96,8 +96,8 @@ impl<'a> Recorder<'a> {
     /// The recording that `record` writes down, over the arrays of `state`.
     ///
     /// # Panics
-    /// When a pass binds a name that no array has, or an array of other elements, or writes one that it binds twice: mistakes
-    /// in a fragment, which its first dry run finds.
+    /// When a pass binds a name that no array has, or an array of other elements, or writes one that it binds twice:
+    /// mistakes in a fragment, which its first dry run finds.
     #[must_use]
     pub fn record(state: &'a State, record: impl FnOnce(&mut Self)) -> Recording {
         let mut recorder = Self {
@@ -222,17 +222,18 @@ impl Bindings<'_> {
     #[allow(clippy::return_self_not_must_use)] // the last of a chain has done its work
     pub fn bind(self, name: &str, array: &AnyArray) -> Self {
         for command in &mut *self.0 {
-            let place = command.pass.bindings.iter().position(|binding| binding.name == name);
-            match place {
-                Some(place) => command.arrays[place] = *array,
-                None => panic!("{}: binds no {name}", command.pass.name),
-            }
+            // Names are written in `step/` alone, and no scene changes them: the first recording finds a wrong one.
+            let Some(place) = command.pass.bindings.iter().position(|binding| binding.name == name) else {
+                panic!("{}: binds no {name}", command.pass.name)
+            };
+            command.arrays[place] = *array;
         }
         self
     }
 }
 
-/// Panics unless the arrays are what the bindings of the pass take.
+/// Panics unless the arrays are what the bindings of the pass take, which follows from `step/` and `state.rs` alone: no
+/// scene and no driver changes it.
 fn check(command: &Command) {
     let pass = command.pass;
     for (binding, array) in pass.bindings.iter().zip(&command.arrays) {

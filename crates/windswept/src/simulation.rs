@@ -112,8 +112,8 @@ impl Simulation {
     /// A simulation at t = 0.
     ///
     /// # Errors
-    /// [`Error::Scene`] when the scene's initial state cannot be made, [`Error::Gpu`] when it does not fit the adapter: before it is
-    /// made, where the scene's numbers of strands, points and particles say so.
+    /// [`Error::Scene`] when the scene's initial state cannot be made, [`Error::Gpu`] when it does not fit the adapter:
+    /// before it is made, where the scene's numbers of strands, points and particles say so.
     pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self, Error> {
         check_room(gpu, scene, None)?;
         let initial = InitialState::new(scene)?;

@@ -239,8 +239,8 @@ state! {
     /// Orientation of a segment: quaternion (x, y, z, w), material frame to world.
     orientation: Vec4, |s| s.segments;
     /// History of a hair point: the last move \[m\], the velocity before \[m/s\], what rounding left off the
-    /// position \[m\], what acted on it from outside and from its own rod in the last step awake, its grip \[m/s\], its
-    /// drift since it became still \[m\].
+    /// position \[m\], what acted on it from outside and from its own rod in the last step awake, its tangential spring
+    /// \[m/s\], its drift since it became still \[m\].
     point_history: PointHistory, |s| s.hair_points;
     /// History of a segment: the last turn \[rad\], its angular velocity in the world and that before \[rad/s\],
     /// its drift since it became still \[rad\].
@@ -303,7 +303,7 @@ state! {
     /// Squeeze of a hair point between the points of other strands \[m/s\].
     normal_impulses: f32, |s| s.hair_points;
     /// Slip that friction holds a hair point back from, after this step \[m/s\].
-    grip: Vec4, |s| s.hair_points;
+    tangential_spring: Vec4, |s| s.hair_points;
 
     /// Impulse of the coarse pressure on a body in the last step, over the mass of an air particle \[m/s\]; zero
     /// without a coarse grid.

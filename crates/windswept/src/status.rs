@@ -14,7 +14,8 @@ const WARNINGS: [(u32, &str, &str); 6] = [
     (
         TELEPORT,
         "teleported",
-        "times that the root of a strand went farther in a step than the strand is long: the strand went with it as it was, without \
+        "times that the root of a strand went farther in a step than the strand is long: the strand went with it as \
+        it was, without \
          wind or weight; a shorter time.step follows the root",
     ),
     (
@@ -30,14 +31,16 @@ const WARNINGS: [(u32, &str, &str); 6] = [
     (
         AIR_BESIDE,
         "air_beside_bodies",
-        "steps in which air beside bodies went farther than 1.2 particle spacings, or had a density error of more than 0.06 rms for 20 ms: a \
+        "steps in which air beside bodies went farther than 1.2 particle spacings, or had a density error of more \
+        than 0.06 rms for 20 ms: a \
          larger time.substeps follows these bodies",
     ),
 ];
 /// Key of the strand steps that the direct solver did not solve, and what is said of many.
 pub(crate) const UNSOLVED: (&str, &str) = (
     "unsolved_steps",
-    "steps of strands that had not settled after rods.newton Newton steps, more than one in a hundred of all: these strands lag behind; a \
+    "steps of strands that had not settled after rods.newton Newton steps, more than one in a hundred of all: these \
+    strands lag behind; a \
      shorter time.step follows this wind or these roots",
 );
 /// Counters of how strands were stepped; keys of the report's `strand_steps`.

@@ -22,7 +22,7 @@ const ONE_WORKGROUP: u32 = 1;
 
 /// Records one step.
 pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
-    forcing::record(r, plan); //      1. Bad strands are reset; clamps and bodies move; wind enters; air moves, hair drifts.
+    forcing::record(r, plan); //      1. Bad strands are reset; clamps, bodies and air move; wind enters; hair drifts.
     neighbours::record(r, plan); // 2. Sort particles into cells, list who is near whom.
     fluid::record(r, plan); //      3. Nothing is compressed: by pressures, or a density constraint (eq. 1).
     rods::record(r, plan); //       4. Strands keep their length and shape, and stay out of bodies.

@@ -313,14 +313,14 @@ fn strands_start_and_end_as_in_the_reference() {
             fixture.run_only(&["rods/begin", "rods/predict"], step::rods::record);
             forcing::recover(&mut s);
             let mut w = forcing::run(&s, p);
-            w.drives.iter_mut().enumerate().for_each(|(strand, drive)| drive.woken = case_of(strand).woken);
+            w.motions.iter_mut().enumerate().for_each(|(strand, motion)| motion.woken = case_of(strand).woken);
             w.correction = push;
             rods::begin(&s, &mut w, p);
             rods::predict_all(&mut s, &mut w, p);
             assert_eq!(drives_apart(&fixture, &w).2, 0, "{n}, {keys}: strands go another way");
             same_conditions(&s);
             for strand in (0..n).filter(|strand| case_of(*strand).ends.0 != End::Free && p.sleep) {
-                assert_eq!(w.drives[strand].state, case_of(strand).goes, "{n}, {keys}: {}", case_of(strand).what);
+                assert_eq!(w.motions[strand].state, case_of(strand).goes, "{n}, {keys}: {}", case_of(strand).what);
             }
             let starts = apart(&fixture, &s, &w);
 

@@ -196,10 +196,10 @@ fn the_potential_falls_in_each_step() {
             rods::FORCES.iter().for_each(|(_, force)| force(&mut s, &mut w, &p));
             rods::predict_all(&mut s, &mut w, &p);
             let potentials = |w: &Scratch| -> Vec<_> {
-                let of = |strand| rods::potential(&p, &s.hair, strand, &w.drives[strand], &w.moving);
+                let of = |strand| rods::potential(&p, &s.hair, strand, &w.motions[strand], &w.moving);
                 (0..s.hair.len()).map(of).collect()
             };
-            let free: Vec<_> = w.drives.iter().map(|drive| drive.state == rods::State::Free).collect();
+            let free: Vec<_> = w.motions.iter().map(|motion| motion.state == rods::State::Free).collect();
             let before = potentials(&w);
             solve_all(&s, &mut w, &p);
             for (strand, (before, after)) in

@@ -41,7 +41,7 @@ const BENDS: f64 = 30.0;
 const LAGS: f64 = 0.02;
 /// Turn after which a strand that touches takes all force for tension \[rad\].
 pub(crate) const UNEASY: f64 = 0.1;
-/// Part of the grip that resists sliding on, from Newton step `SLOW` on.
+/// Part of the tangential stiffness that resists sliding on, from Newton step `SLOW` on.
 const SLIDING: f64 = 0.1;
 const SLOW: u32 = 3;
 /// Way by which a strand rises to a body's surface from a root that is held within \[lengths\]: the sine of 30 degrees.
@@ -122,7 +122,7 @@ pub struct Contact {
     /// Way by which the place shifts along the segment as that turns \[m/rad\].
     pub curve: f64,
     /// Stiffness of the friction \[N/m\].
-    pub grip: f64,
+    pub tangential_stiffness: f64,
     /// Normal force by the linear model of the last Newton step \[N\].
     pub linear: f64,
     /// Whether it touches.
@@ -157,17 +157,17 @@ pub fn contacts(s: &State, w: &mut Scratch, p: &Parameters) {
     let memory = |i: usize| s.contacts.get(i).copied().unwrap_or_default();
     w.moving.point_contacts = vec![Contact::default(); p.hair_points * count];
     w.moving.segment_contacts = vec![Contact::default(); s.orientation.len() * count];
-    for (strand, drive) in w.drives.iter_mut().enumerate() {
+    for (strand, motion) in w.motions.iter_mut().enumerate() {
         let (points, first_segment) = (s.hair.points(strand), s.hair.segments(strand).start);
         let rests = &s.hair.rest_length[s.hair.segments(strand)];
         let length: f64 = rests.iter().sum();
-        let forgets = s.failed[strand] || drive.state == rods::State::Teleported;
+        let forgets = s.failed[strand] || motion.state == rods::State::Teleported;
         let held = s.inverse_mass[points.start] == 0.0;
         let root = s.position[points.start];
         let depth = bodies.iter().map(|body| -body.surface(body.carried(root)).distance).fold(0.0, f64::max);
         let risen = (0..=rests.len()).map(|k| RISE * rests[..k].iter().sum::<f64>());
-        drive.embedded = if held { risen.take_while(|risen| *risen < depth).count() } else { 0 };
-        (drive.meets, drive.woken, drive.comes_out) = (false, false, false);
+        motion.embedded = if held { risen.take_while(|risen| *risen < depth).count() } else { 0 };
+        (motion.meets, motion.woken, motion.comes_out) = (false, false, false);
         for (b, body) in bodies.iter().enumerate() {
             let mut segment_begins = None;
             for (k, i) in points.clone().enumerate() {
@@ -176,9 +176,9 @@ pub fn contacts(s: &State, w: &mut Scratch, p: &Parameters) {
                 let start = body.surface(ends.end());
                 let moves = ends.displacement.length();
                 let l = rests[k.max(1) - 1];
-                drive.meets |= start.distance - moves < length;
-                drive.woken |= s.sleeping[strand] && moves > 0.0 && start.distance - moves < l;
-                drive.comes_out |= k >= drive.embedded.max(1) && is_deep(p, start.distance);
+                motion.meets |= start.distance - moves < length;
+                motion.woken |= s.sleeping[strand] && moves > 0.0 && start.distance - moves < l;
+                motion.comes_out |= k >= motion.embedded.max(1) && is_deep(p, start.distance);
                 let ahead = Place { displacement: p.step * w.moving.points[i].velocity, ..ends };
                 let contact = recall(p, memory(i * count + b), body, start, forgets);
                 w.moving.point_contacts[i * count + b] = flattened(contact, body, &ahead);
@@ -186,7 +186,7 @@ pub fn contacts(s: &State, w: &mut Scratch, p: &Parameters) {
                     let j = first_segment + k - 1;
                     let (place, surface) = middle(body, [begins, ends], [first, start], l);
                     let contact = recall(p, memory((p.hair_points + j) * count + b), body, surface, forgets);
-                    drive.comes_out |= k > drive.embedded && is_deep(p, surface.distance);
+                    motion.comes_out |= k > motion.embedded && is_deep(p, surface.distance);
                     w.moving.segment_contacts[j * count + b] = Contact { place, ..contact };
                 }
                 segment_begins = Some((ends, start));
@@ -314,7 +314,7 @@ pub(crate) struct Met {
 
 /// A contact that does not touch, at a distance \[m\].
 pub(crate) fn parted(before: &Contact, distance: f64, starts: bool) -> Met {
-    let at_rest = Contact { gap: distance, friction: DVec3::ZERO, force: 0.0, grip: 0.0, ..*before };
+    let at_rest = Contact { gap: distance, friction: DVec3::ZERO, force: 0.0, tangential_stiffness: 0.0, ..*before };
     Met { contact: Contact { live: false, slides: false, ..at_rest }, changed: !starts && before.live, lags: false }
 }
 
@@ -369,7 +369,7 @@ pub(crate) fn meet(
     let turns_back = before.slides && tried.dot(before.friction) < 0.0;
     let slides = tried.length() > most && !turns_back;
     let part = if slides { most / tried.length() } else { 1.0 };
-    met.contact = Contact { friction: part * tried, grip: part * k, slides, ..met.contact };
+    met.contact = Contact { friction: part * tried, tangential_stiffness: part * k, slides, ..met.contact };
     met.changed |= !starts && slides != before.slides;
     met
 }
@@ -377,11 +377,11 @@ pub(crate) fn meet(
 /// The stiffness of a contact \[N/m\], and the force by which it resists \[N\]; the Newton step counts from 0.
 pub(crate) fn resists(p: &Parameters, contact: &Contact, effective_inverse_mass: f64, step: u32) -> (DMat3, DVec3) {
     let dyad = |k: f64, v: DVec3| DMat3::from_cols(k * v.x * v, k * v.y * v, k * v.z * v);
-    let normal = dyad(stiffness(p, effective_inverse_mass) - contact.grip, contact.normal);
-    let mut stiffness = normal + DMat3::from_diagonal(DVec3::splat(contact.grip));
-    if contact.slides && contact.grip > 0.0 {
+    let normal = dyad(stiffness(p, effective_inverse_mass) - contact.tangential_stiffness, contact.normal);
+    let mut stiffness = normal + DMat3::from_diagonal(DVec3::splat(contact.tangential_stiffness));
+    if contact.slides && contact.tangential_stiffness > 0.0 {
         let keeps = if step >= SLOW { 1.0 - SLIDING } else { 1.0 };
-        stiffness -= dyad(keeps * contact.grip, contact.friction.normalize());
+        stiffness -= dyad(keeps * contact.tangential_stiffness, contact.friction.normalize());
     }
     (stiffness, -contact.force * contact.normal - contact.friction)
 }

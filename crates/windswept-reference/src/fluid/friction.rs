@@ -4,14 +4,15 @@ use glam::DVec3;
 
 use crate::{Parameters, State, neighbours::Neighbours, sph_kernels::spiky_slope};
 
-/// Stiffness of the grip, over the largest that one step bears: with it a point that sticks comes to rest without
-/// swinging, whatever share of the friction is its own.
+/// Stiffness of the tangential spring, over the largest that one step bears: with it a point that sticks comes to rest
+/// without swinging, whatever share of the friction is its own.
 pub const STIFFNESS: f64 = 0.25;
 
 /// State of a hair point that friction needs.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FrictionPoint {
-    /// Velocity at which the point would go through this step without friction, and the pull of its grip \[m/s\].
+    /// Velocity at which the point would go through this step without friction, and the pull of its tangential spring
+    /// \[m/s\].
     pub pull: DVec3,
     /// Velocity at which the point went through the last step \[m/s\].
     pub moved: DVec3,
@@ -24,7 +25,7 @@ pub struct FrictionPoint {
 #[must_use]
 pub fn slip(p: &Parameters, s: &State, i: usize, correction: DVec3, multiplier: f64) -> FrictionPoint {
     let ahead = s.velocity[i] + s.own[i] + correction / p.step;
-    FrictionPoint { pull: ahead + STIFFNESS * s.grip[i], moved: s.displacement[i] / p.step, multiplier }
+    FrictionPoint { pull: ahead + STIFFNESS * s.tangential_spring[i], moved: s.displacement[i] / p.step, multiplier }
 }
 
 /// Points of other strands near hair point `i`.
@@ -52,24 +53,25 @@ pub fn normal_impulse(
     (0..p.hair_points).map(|i| inverse_mass[i] * sum(i)).collect()
 }
 
-/// Change of the velocity of each hair point by friction \[m/s\], and its next grip \[m/s\]. The impulses are equal and
-/// opposite between points of different strands, across the line that joins them:
+/// Change of the velocity of each hair point by friction \[m/s\], and its next tangential spring \[m/s\]. The impulses
+/// are equal and opposite between points of different strands, across the line that joins them:
 ///
 /// ```text
-///   J_ij = −k_ij u_ij,  k_ij = min(p_ij/(P_i + P_j), μ p_ij/|u_ij|)   u: what of the difference of pulls is normal to x_i − x_j
-///   P_i  = w_i Σ_j p_ij                                               the squeeze
-///   g_i ← c_i (g_i + w_i Σ_j k_ij s_ij)                               s: of the velocities of the last step, as u of pulls
-///   c_i  = Σ_j k_ij / Σ_j p_ij/(P_i + P_j)                            1 where all pairs stick, towards 0 where they slide
+///   J_ij = −k_ij u_ij,  k_ij = min(p_ij/(P_i + P_j), μ p_ij/|u_ij|)   u: what of the difference of pulls is normal to
+///   x_i − x_j P_i  = w_i Σ_j p_ij                                               the squeeze
+///   g_i ← c_i (g_i + w_i Σ_j k_ij s_ij)                               s: of the velocities of the last step, as u of
+///   pulls c_i  = Σ_j k_ij / Σ_j p_ij/(P_i + P_j)                            1 where all pairs stick, towards 0 where
+///   they slide
 /// ```
 /// The first term of k_ij is the largest with which friction cannot overshoot, whatever the masses: with it the
 /// impulses of all pairs take no more from any relative motion than there is. The second term is Coulomb's cap (Macklin
-/// et al. 2014, eq. 24), with the constraint's own impulse for the depth. The grip g is the spring of Cundall & Strack
-/// (1979), kept by points instead of pairs: it holds what sticks where it is, and what slides lets go of it.
+/// et al. 2014, eq. 24), with the constraint's own impulse for the depth. The tangential spring g is that of Cundall &
+/// Strack (1979), kept by points instead of pairs: it holds what sticks where it is, and what slides lets go of it.
 #[must_use]
 pub fn friction(
     p: &Parameters,
     x: &[DVec3],
-    grip: &[DVec3],
+    springs: &[DVec3],
     inverse_mass: &[f64],
     volume: &[f64],
     points: &[FrictionPoint],
@@ -94,8 +96,8 @@ pub fn friction(
             held += share;
             most += sticks;
         }
-        let grip = if most > 0.0 { held / most * (grip[i] + slid) } else { DVec3::ZERO };
-        (change, grip)
+        let spring = if most > 0.0 { held / most * (springs[i] + slid) } else { DVec3::ZERO };
+        (change, spring)
     };
     (0..p.hair_points).map(each).unzip()
 }

@@ -35,7 +35,9 @@ pub fn inspect(s: &State, strand: usize) -> bool {
     let root = root(s, strand);
     let place = |i: usize| in_reach(s, strand, root, s.position[i]);
     let speed = |i: usize| s.velocity[i].length() <= FAST && s.velocity_before[i].length() <= FAST;
-    let memory = |i: usize| [s.displacement[i], s.external_dv[i], s.own[i], s.grip[i]].iter().all(|v| v.is_finite());
+    let memory = |i: usize| {
+        [s.displacement[i], s.external_dv[i], s.own[i], s.tangential_spring[i]].iter().all(|v| v.is_finite())
+    };
     let frame = |k: usize| (s.orientation[k].length_squared() - 1.0).abs() <= UNLIKE;
     points.clone().all(|i| place(i) && speed(i) && memory(i)) && s.hair.segments(strand).all(frame)
 }
@@ -70,6 +72,6 @@ pub fn reset(s: &mut State, strand: usize) {
     for (i, place) in points.zip(places) {
         s.position[i] = place;
         (s.velocity[i], s.velocity_before[i], s.displacement[i]) = Default::default();
-        (s.external_dv[i], s.own[i], s.grip[i], s.rest_drift[i]) = Default::default();
+        (s.external_dv[i], s.own[i], s.tangential_spring[i], s.rest_drift[i]) = Default::default();
     }
 }

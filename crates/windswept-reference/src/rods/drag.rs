@@ -3,7 +3,7 @@
 use glam::{DMat3, DVec3};
 use windswept_scene::{Model, Strands};
 
-use super::{Drive, Load, Moving, Point, STORMY};
+use super::{Load, Moving, Point, STORMY, StrandMotion};
 use crate::{Parameters, neighbours::Neighbours, sph_kernels::poly6, state, step::Scratch};
 
 /// Part of the mean wind that a hair point feels where the air is this thin, ρ/ρ0: below it air counts by what is
@@ -96,10 +96,10 @@ pub fn react(
 /// the air resists by more than BDF2 bears takes Euler.
 pub(super) fn act(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
     let (mut loads, mut limited) = taken(s, w, p);
-    let calm = |strand: usize| follows_wind(p, &s.hair, strand, &w.drives[strand], &w.moving, &loads);
+    let calm = |strand: usize| follows_wind(p, &s.hair, strand, &w.motions[strand], &w.moving, &loads);
     let hasty: Vec<_> = (0..s.hair.len()).filter(|&strand| !calm(strand)).collect();
     if !hasty.is_empty() {
-        hasty.iter().for_each(|&strand| w.drives[strand].step = p.step);
+        hasty.iter().for_each(|&strand| w.motions[strand].step = p.step);
         (loads, limited) = taken(s, w, p);
     }
     w.moving.points.iter_mut().zip(loads).for_each(|(point, load)| point.load += load);
@@ -110,7 +110,7 @@ pub(super) fn act(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
 fn taken(s: &state::State, w: &Scratch, p: &Parameters) -> (Vec<Load>, usize) {
     let all = (0..s.hair.len()).flat_map(|strand| s.hair.points(strand).map(move |i| (strand, i)));
     let (x, v): (Vec<_>, Vec<_>) =
-        all.map(|(strand, i)| ahead(p, &w.moving.points[i], s.position[i], w.drives[strand].step)).unzip();
+        all.map(|(strand, i)| ahead(p, &w.moving.points[i], s.position[i], w.motions[strand].step)).unzip();
     drag(p, &s.hair, &w.local, &x, &v)
 }
 
@@ -132,9 +132,16 @@ pub fn ahead(p: &Parameters, point: &Point, position: DVec3, h: f64) -> (DVec3, 
 /// Whether `drag` resists no point of a strand by more than BDF2 bears: what BDF2 extrapolates of the drag grows into a
 /// flutter from Δt w D_n = 0.39 on (hairs of 30 to 60 µm, 1 and 4 GPa, 30 to 100 mm in 3 to 20 m/s).
 #[must_use]
-pub fn follows_wind(p: &Parameters, hair: &Strands, strand: usize, drive: &Drive, m: &Moving, drag: &[Load]) -> bool {
+pub fn follows_wind(
+    p: &Parameters,
+    hair: &Strands,
+    strand: usize,
+    motion: &StrandMotion,
+    m: &Moving,
+    drag: &[Load],
+) -> bool {
     let resisted = |i: usize| p.step * m.points[i].inverse_mass * drag[i].resistance > STORMY;
-    drive.step == p.step || !hair.points(strand).any(resisted)
+    motion.step == p.step || !hair.points(strand).any(resisted)
 }
 
 /// Lift and drag of the air on each hair point, and how many of them had to be limited.

@@ -3,12 +3,12 @@
 use glam::{DMat3, DQuat, DVec3};
 use windswept_scene::{End, Strands};
 
-use super::{Drive, Moving, State, cross_matrix, damping, nearest_rest, response, turned};
+use super::{Moving, State, StrandMotion, cross_matrix, damping, nearest_rest, response, turned};
 use crate::Parameters;
 
 /// Sweeps over strand `s` from root to tip: joint k, then segment k. Multipliers persist over the sweeps.
-pub fn gauss_seidel(p: &Parameters, hair: &Strands, s: usize, drive: &Drive, m: &mut Moving) {
-    if drive.state != State::Free {
+pub fn gauss_seidel(p: &Parameters, hair: &Strands, s: usize, motion: &StrandMotion, m: &mut Moving) {
+    if motion.state != State::Free {
         return;
     }
     let clamped = hair.ends(s).root == End::Clamped;
@@ -16,7 +16,7 @@ pub fn gauss_seidel(p: &Parameters, hair: &Strands, s: usize, drive: &Drive, m: 
         for (k, point) in hair.segments(s).zip(hair.points(s)) {
             let first = k == hair.segments(s).start;
             if !first || clamped {
-                bend_twist(p, hair, m, k, first.then_some(drive.root_frame));
+                bend_twist(p, hair, m, k, first.then_some(motion.root_frame));
             }
             stretch_shear(p, hair, m, k, point);
         }

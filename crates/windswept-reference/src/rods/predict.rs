@@ -4,7 +4,7 @@ use glam::{DQuat, DVec3};
 use windswept_scene::{Model, Strands};
 
 use super::{
-    AT_TIP, Drive, Load, Moving, Point, RESTING_STEPS, Segment, State, TURN, WHOLE, damping, free_move, rotation,
+    AT_TIP, Load, Moving, Point, RESTING_STEPS, Segment, State, StrandMotion, TURN, WHOLE, damping, free_move, rotation,
 };
 use crate::{Parameters, state};
 
@@ -14,38 +14,38 @@ const SHORTEST: f64 = 1e-3;
 const OPPOSITE: f64 = 1e-4;
 
 /// Decides how a strand goes through the step: reset, teleported, sleeping or integrated; and where its solver starts.
-pub fn predict(p: &Parameters, s: &mut state::State, strand: usize, drive: &mut Drive, m: &mut Moving) {
+pub fn predict(p: &Parameters, s: &mut state::State, strand: usize, motion: &mut StrandMotion, m: &mut Moving) {
     let sleeping = s.sleeping[strand];
     let tip = &mut m.points[s.hair.points(strand).end - 1];
-    tip.tip_displacement = if tip.held_tip { drive.tip_displacement } else { DVec3::ZERO };
+    tip.tip_displacement = if tip.held_tip { motion.tip_displacement } else { DVec3::ZERO };
     let push = load(p, s, strand, m);
     let rested = s.resting[strand] >= RESTING_STEPS && f64::from(s.resting[strand]) * p.step >= p.rest[strand].time;
     // A trembling strand feels a trembling drag, which must not wake it.
     let pushed = (sleeping || p.model == Model::Particles) && push > p.rest[strand].acceleration * p.step;
     let resets = std::mem::take(&mut s.failed[strand]);
-    let sleeps = !resets && drive.state == State::Sleeping && rested && !pushed && !(sleeping && drive.woken);
+    let sleeps = !resets && motion.state == State::Sleeping && rested && !pushed && !(sleeping && motion.woken);
     s.sleeping[strand] = sleeps;
     if sleeps {
-        place(&s.hair, strand, drive, m, false);
+        place(&s.hair, strand, motion, m, false);
         return;
     }
-    if resets || drive.state == State::Teleported {
-        place(&s.hair, strand, drive, m, resets);
+    if resets || motion.state == State::Teleported {
+        place(&s.hair, strand, motion, m, resets);
         for point in &mut m.points[s.hair.points(strand)] {
             (point.load, point.external_dv) = (Load::default(), DVec3::ZERO);
         }
-        (s.resting[strand], s.bdf2_ready[strand], drive.tip_force) = (0, false, DVec3::ZERO);
+        (s.resting[strand], s.bdf2_ready[strand], motion.tip_force) = (0, false, DVec3::ZERO);
         if resets {
-            drive.state = State::Solved;
+            motion.state = State::Solved;
         }
         return;
     }
-    drive.state = State::Free;
+    motion.state = State::Free;
     s.bdf2_ready[strand] = true;
     if sleeping {
         s.resting[strand] = 0;
     }
-    set_off(p, &s.hair, strand, drive, m);
+    set_off(p, &s.hair, strand, motion, m);
 }
 
 /// Adds what forces from outside change of each point's velocity. Returns how much pushes the strand that did not while
@@ -67,11 +67,11 @@ fn load(p: &Parameters, s: &state::State, strand: usize, m: &mut Moving) -> f64 
 
 /// Free moves of points and frames, and the start of the solver: as the spins turn the frames, with points that follow.
 /// For Gauss-Seidel: at the free moves.
-fn set_off(p: &Parameters, hair: &Strands, strand: usize, drive: &Drive, m: &mut Moving) {
+fn set_off(p: &Parameters, hair: &Strands, strand: usize, motion: &StrandMotion, m: &mut Moving) {
     let first = hair.points(strand).start;
-    let h = drive.step;
+    let h = motion.step;
     // Hair that comes out of a body gathers no speed.
-    let keeps = if drive.comes_out { 0.0 } else { 1.0 };
+    let keeps = if motion.comes_out { 0.0 } else { 1.0 };
     if p.direct {
         make_whole(hair, strand, m);
     }
@@ -86,9 +86,9 @@ fn set_off(p: &Parameters, hair: &Strands, strand: usize, drive: &Drive, m: &mut
                     [point.velocity, point.before, point.previous_move].map(|v| keeps * v);
                 free_move(p, now, before, previous_move, acceleration, damping, h)
             }
-            (false, true) => drive.root_displacement,
+            (false, true) => motion.root_displacement,
             // Where it is held, seen from where it was shifted to.
-            (false, false) => drive.tip_displacement - point.shift,
+            (false, false) => motion.tip_displacement - point.shift,
         };
         point.displacement = point.free;
     }
@@ -147,22 +147,22 @@ fn onto(chord: DVec3, frame: DQuat) -> DQuat {
 
 /// Places a strand: in its rest shape, unrolled from the clamp, where a tip that is held stays; or as it is, turned
 /// with its root and moved with it.
-fn place(hair: &Strands, strand: usize, drive: &Drive, m: &mut Moving, at_rest: bool) {
-    let (mut frame, mut offset, mut rest) = (drive.root_frame, DVec3::ZERO, DVec3::ZERO);
+fn place(hair: &Strands, strand: usize, motion: &StrandMotion, m: &mut Moving, at_rest: bool) {
+    let (mut frame, mut offset, mut rest) = (motion.root_frame, DVec3::ZERO, DVec3::ZERO);
     let first = hair.points(strand).start;
-    put(&mut m.points[first], drive.root_displacement);
+    put(&mut m.points[first], motion.root_displacement);
     for (k, i) in hair.segments(strand).zip(first + 1..) {
         let segment = &mut m.segments[k];
-        frame = (if at_rest { frame * hair.rest_rotation[k] } else { drive.root_turn * segment.start }).normalize();
+        frame = (if at_rest { frame * hair.rest_rotation[k] } else { motion.root_turn * segment.start }).normalize();
         if at_rest {
             segment.start = frame;
         }
         put_frame(segment, frame);
         offset += segment.chord;
         rest += hair.rest_length[k] * (frame * DVec3::Z);
-        let end = if at_rest { rest } else { drive.root_turn * offset };
+        let end = if at_rest { rest } else { motion.root_turn * offset };
         let stays = at_rest && i + 1 == hair.points(strand).end && m.points[i].inverse_mass == 0.0;
-        put(&mut m.points[i], if stays { drive.tip_displacement } else { drive.root_displacement + end - offset });
+        put(&mut m.points[i], if stays { motion.tip_displacement } else { motion.root_displacement + end - offset });
     }
 }
 

@@ -4,7 +4,9 @@ use glam::{DMat3, DQuat, DVec3};
 use nalgebra::{Matrix6, Matrix6x4, Vector4, Vector6};
 use windswept_scene::{End, Strands};
 
-use super::{Drive, Moving, Point, Segment, State, cross_matrix, nearest_rest, response, rotation, rotation_vector};
+use super::{
+    Moving, Point, Segment, State, StrandMotion, cross_matrix, nearest_rest, response, rotation, rotation_vector,
+};
 use crate::{
     Parameters,
     contact::{Contact, Placed, RECOVERY, UNEASY},
@@ -32,7 +34,7 @@ pub(super) struct Rod<'a> {
     strand: usize,
     pub points: &'a mut [Point],
     pub segments: &'a mut [Segment],
-    pub drive: &'a mut Drive,
+    pub motion: &'a mut StrandMotion,
     /// Bodies that the strand may meet.
     pub bodies: &'a [Placed],
     /// Contacts of each point with each of them.
@@ -78,12 +80,12 @@ struct Answer {
 ///
 /// # Panics
 /// Where the Hessian is not positive definite, so that the potential need not fall along a Newton step.
-pub fn solve(p: &Parameters, hair: &Strands, s: usize, drive: &mut Drive, m: &mut Moving) {
-    if drive.state != State::Free {
+pub fn solve(p: &Parameters, hair: &Strands, s: usize, motion: &mut StrandMotion, m: &mut Moving) {
+    if motion.state != State::Free {
         return;
     }
     let (points, segments) = (hair.points(s), hair.segments(s));
-    let count = if drive.meets { m.bodies.len() } else { 0 };
+    let count = if motion.meets { m.bodies.len() } else { 0 };
     let mut rod = Rod {
         p,
         hair,
@@ -93,7 +95,7 @@ pub fn solve(p: &Parameters, hair: &Strands, s: usize, drive: &mut Drive, m: &mu
         segment_contacts: &mut m.segment_contacts[segments.start * count..segments.end * count],
         points: &mut m.points[points],
         segments: &mut m.segments[segments],
-        drive,
+        motion,
         newton: 0,
     };
     if !rod.points.iter().all(|point| (point.free + point.displacement).is_finite()) {
@@ -111,23 +113,23 @@ pub fn solve(p: &Parameters, hair: &Strands, s: usize, drive: &mut Drive, m: &mu
         now = rod.touch(false, false);
         if most < settled && !now.changed {
             if !now.lags {
-                rod.drive.state = State::Solved;
+                rod.motion.state = State::Solved;
                 break;
             }
             now = rod.touch(false, true);
         }
         steep = most > TURN || now.touches && (now.changed || most > UNEASY);
     }
-    if rod.drive.comes_out {
+    if rod.motion.comes_out {
         rod.crawl();
     }
     rod.finish(now.touches);
-    rod.leave(rod.drive.state == State::Solved);
+    rod.leave(rod.motion.state == State::Solved);
 }
 
 /// The incremental potential Φ of strand `s` where the solve has it \[J s²\], without a held tip and contacts.
 #[must_use]
-pub fn potential(p: &Parameters, hair: &Strands, s: usize, drive: &Drive, m: &Moving) -> f64 {
+pub fn potential(p: &Parameters, hair: &Strands, s: usize, motion: &StrandMotion, m: &Moving) -> f64 {
     let (points, segments) = (&m.points[hair.points(s)], &m.segments[hair.segments(s)]);
     let effective_inverse_mass = |point: &Point| point.effective_inverse_mass(p);
     let moved = points.iter().filter(|point| point.inverse_mass > 0.0);
@@ -142,14 +144,14 @@ pub fn potential(p: &Parameters, hair: &Strands, s: usize, drive: &Drive, m: &Mo
         let strain = segment.frame.conjugate() * segment.strain / hair.rest_length[first + k];
         sum += 0.5 * (strain * strain * stiffness(hair.stretch_compliance[first + k])).element_sum();
         if k > 0 || hair.ends(s).root == End::Clamped {
-            let before = if k > 0 { segments[k - 1].frame } else { drive.root_frame };
+            let before = if k > 0 { segments[k - 1].frame } else { motion.root_frame };
             let gap = gap(before, segment.frame, hair.rest_rotation[first + k]);
             sum += 0.5 * (gap * gap * stiffness(hair.bend_compliance[first + k])).element_sum();
         }
     }
     if hair.ends(s).tip == End::Clamped {
         let ends = hair.ends(s);
-        let gap = gap(segments[segments.len() - 1].frame, drive.tip_frame, ends.tip_rest_rotation);
+        let gap = gap(segments[segments.len() - 1].frame, motion.tip_frame, ends.tip_rest_rotation);
         sum += 0.5 * (gap * gap * stiffness(ends.tip_compliance)).element_sum();
     }
     sum
@@ -229,12 +231,12 @@ impl Rod<'_> {
     fn newton_step(&mut self, steep: bool) -> f64 {
         let mut vectors = Matrix6x4::zeros();
         vectors.fixed_view_mut::<3, 3>(3, 1).fill_with_identity();
-        vectors.set_column(0, &vector(DVec3::ZERO, self.drive.tip_force));
+        vectors.set_column(0, &vector(DVec3::ZERO, self.motion.tip_force));
         let mut beyond = Beyond { matrix: Matrix6::zeros(), vectors };
         if self.ends().tip == End::Clamped {
             let ends = self.ends();
             let last = self.segments[self.segments.len() - 1].frame;
-            let tip = joint(last, self.drive.tip_frame, ends.tip_rest_rotation, ends.tip_compliance);
+            let tip = joint(last, self.motion.tip_frame, ends.tip_rest_rotation, ends.tip_compliance);
             add(&mut beyond.matrix, (0, 0), tip.stiffness);
             add_force(&mut beyond.vectors, vector(-tip.force, DVec3::ZERO));
         }
@@ -248,7 +250,7 @@ impl Rod<'_> {
         let root_moves = self.root_moves(&beyond);
         let (change, part) = self.tip_change(&answers, &root_moves);
         let most = self.apply(&answers, &root_moves, Vector4::new(1.0, change.x, change.y, change.z), part);
-        self.drive.tip_force += part * change;
+        self.motion.tip_force += part * change;
         let tip = &self.points[self.points.len() - 1];
         let length: f64 = self.hair.rest_length[self.hair.segments(self.strand)].iter().sum();
         if tip.inverse_mass == 0.0 { most.max((tip.displacement - tip.free).length() / length) } else { most }
@@ -293,7 +295,7 @@ impl Rod<'_> {
         add(&mut springs, (3, 3), stretch.stiffness);
         add_force(&mut forces, vector(DVec3::ZERO, stretch.force));
         if k > 0 || self.ends().root == End::Clamped {
-            let before = if k > 0 { self.segments[k - 1].frame } else { self.drive.root_frame };
+            let before = if k > 0 { self.segments[k - 1].frame } else { self.motion.root_frame };
             let bend = joint(before, segment.frame, self.hair.rest_rotation[j], self.hair.bend_compliance[j]);
             add(&mut springs, (0, 0), bend.stiffness);
             add_force(&mut forces, vector(bend.force, DVec3::ZERO));

@@ -89,7 +89,7 @@ impl Rod<'_> {
         }
         let surface = body.surface(place.end());
         let contact = Contact { normal: if last.plane { last.normal } else { surface.normal }, ..*last };
-        if k < self.drive.embedded {
+        if k < self.motion.embedded {
             return parted(&contact, surface.distance, starts);
         }
         meet(self.p, &contact, body, &place, surface, starts, reach)
@@ -99,7 +99,7 @@ impl Rod<'_> {
     fn met_segment(&self, k: usize, b: usize, mut contact: Contact, starts: bool) -> Met {
         let (body, l) = (&self.bodies[b], self.rest_length(k));
         let ends = [k, k + 1].map(|k| &self.point_contacts[self.of(k).start + b]);
-        if k < self.drive.embedded || ends[0].gap + ends[1].gap > l {
+        if k < self.motion.embedded || ends[0].gap + ends[1].gap > l {
             return parted(&contact, l, starts);
         }
         let places = [k, k + 1].map(|k| self.place_of_point(k));
@@ -190,7 +190,7 @@ fn slow(point: &mut Point, contact: &Contact, step: f64) {
     if point.inverse_mass == 0.0 {
         return;
     }
-    let sticks = !contact.slides && contact.grip > 0.0;
+    let sticks = !contact.slides && contact.tangential_stiffness > 0.0;
     let part = |v: DVec3| if sticks { v } else { v.project_onto_normalized(contact.normal) };
     point.previous_move += part(point.displacement - point.previous_move);
     point.velocity += part(point.displacement / step - point.velocity);

@@ -22,8 +22,8 @@ pub fn update(p: &Parameters, s: &mut state::State, strand: usize, w: &mut Scrat
     s.max_stretch = s.max_stretch.max(stretch);
     s.strained_steps[strand] = if stretch > STRAINED { s.strained_steps[strand] + 1 } else { 0 };
     s.over_strained += usize::from(s.strained_steps[strand] == STRAINED_STEPS);
-    let drive = &w.drives[strand];
-    s.unsolved_steps += usize::from(p.direct && drive.state == State::Free || drive.comes_out);
+    let motion = &w.motions[strand];
+    s.unsolved_steps += usize::from(p.direct && motion.state == State::Free || motion.comes_out);
     if !p.sleep || s.sleeping[strand] {
         return;
     }

@@ -24,9 +24,9 @@ pub enum State {
     Sleeping,
 }
 
-/// Way of a strand through a step, with its clamp's.
+/// Motion of a strand through a step, with that of its clamp.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Drive {
+pub struct StrandMotion {
     /// Move of the root \[m\].
     pub root_displacement: DVec3,
     /// Ghost frame at the step's end.

@@ -105,7 +105,8 @@ pub(super) fn choose(choice: &AdapterChoice) -> Result<wgpu::Adapter, GpuError> 
 /// Advice where there is no adapter: Mesa's package carries lavapipe, which needs no GPU.
 const HELP: &str = if cfg!(target_os = "linux") {
     "A GPU needs its vendor's Vulkan driver. Without a GPU, Mesa's software driver does: \
-     on Debian and Ubuntu `apt-get install mesa-vulkan-drivers libvulkan1`, on Fedora `dnf install mesa-vulkan-drivers vulkan-loader`. \
+     on Debian and Ubuntu `apt-get install mesa-vulkan-drivers libvulkan1`, on Fedora `dnf install \
+     mesa-vulkan-drivers vulkan-loader`. \
      `windswept adapters` lists what is found; VK_DRIVER_FILES and WGPU_ADAPTER_NAME restrict it."
 } else {
     "Install or update the graphics driver. `windswept adapters` lists what is found; WGPU_ADAPTER_NAME restricts it."

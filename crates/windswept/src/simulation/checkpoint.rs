@@ -143,8 +143,8 @@ impl Checkpoint {
     /// Reads a file that [`Simulation::save`] wrote, to its end.
     ///
     /// # Errors
-    /// [`CheckpointError::File`], and [`CheckpointError::Content`] for a file that is foreign, of another version, cut off or
-    /// damaged: it says what is wrong, and where.
+    /// [`CheckpointError::File`], and [`CheckpointError::Content`] for a file that is foreign, of another version, cut
+    /// off or damaged: it says what is wrong, and where.
     pub fn open(path: impl AsRef<Path>) -> Result<Self, CheckpointError> {
         let path = path.as_ref();
         let opened = File::open(path).and_then(|file| Ok((file.metadata()?.len(), file)));
@@ -234,8 +234,8 @@ impl Checkpoint {
     /// again. Timings start anew, and [`Simulation::step_timed`] and the trace with them.
     ///
     /// # Errors
-    /// [`CheckpointError::Start`] if the simulation does not fit the adapter, [`CheckpointError::Content`] if what was saved does not
-    /// belong together.
+    /// [`CheckpointError::Start`] if the simulation does not fit the adapter, [`CheckpointError::Content`] if what was
+    /// saved does not belong together.
     pub fn start(self, gpu: &Gpu) -> Result<Simulation, CheckpointError> {
         let differs = self.differs(gpu);
         let Self { file, scene, files, mut initial, driven, buffers, .. } = self;
@@ -293,8 +293,9 @@ impl Simulation {
     /// becomes of the process, `path` is a whole checkpoint or what it was before.
     ///
     /// # Errors
-    /// [`CheckpointError::File`] if the file cannot be written, [`CheckpointError::Text`] for a scene that was made in code and is no scene
-    /// file's, or one whose mesh files cannot be read any more, [`CheckpointError::Gpu`] if the device is lost.
+    /// [`CheckpointError::File`] if the file cannot be written, [`CheckpointError::Text`] for a scene that was made in
+    /// code and is no scene file's, or one whose mesh files cannot be read any more, [`CheckpointError::Gpu`] if the
+    /// device is lost.
     pub fn save(&self, path: impl AsRef<Path>) -> Result<(), CheckpointError> {
         self.save_with(path, &())
     }

@@ -22,8 +22,8 @@ impl Simulation {
     /// are not affected.
     ///
     /// # Errors
-    /// [`RunError::Input`] when there is not one of each per strand, when one is beyond 1e18 or a frame has no length, and when
-    /// `hair.motion` moves the roots; [`RunError::Gpu`].
+    /// [`RunError::Input`] when there is not one of each per strand, when one is beyond 1e18 or a frame has no length,
+    /// and when `hair.motion` moves the roots; [`RunError::Gpu`].
     pub fn set_roots(&mut self, positions: &[DVec3], frames: Option<&[DQuat]>) -> Result<(), RunError> {
         let input = |what: String| Err(RunError::Input(what));
         let strands = self.initial.hair.len();
@@ -56,8 +56,9 @@ impl Simulation {
     /// the scene has it.
     ///
     /// # Errors
-    /// [`RunError::Input`] when there is not one place per point, a place is beyond 1e18 m, a point does not exist, is given twice or is a root
-    /// that is held, when `rods.solver` is `gauss-seidel`, and when `hair.motion` moves a held tip; [`RunError::Gpu`].
+    /// [`RunError::Input`] when there is not one place per point, a place is beyond 1e18 m, a point does not exist, is
+    /// given twice or is a root that is held, when `rods.solver` is `gauss-seidel`, and when `hair.motion` moves a held
+    /// tip; [`RunError::Gpu`].
     pub fn set_pins(&mut self, points: &[usize], places: &[DVec3]) -> Result<(), RunError> {
         let input = |what: String| Err(RunError::Input(what));
         let (hair, scene) = (&self.initial.hair, &self.scene);
@@ -136,8 +137,8 @@ impl Simulation {
     /// places.
     ///
     /// # Errors
-    /// [`RunError::Input`] when an array has not a row for each, when a position is beyond 1e18 m or a velocity beyond [`FAST`] m/s, or an
-    /// orientation is no rotation; [`RunError::Gpu`].
+    /// [`RunError::Input`] when an array has not a row for each, when a position is beyond 1e18 m or a velocity beyond
+    /// [`FAST`] m/s, or an orientation is no rotation; [`RunError::Gpu`].
     pub fn set_hair(
         &mut self,
         positions: Option<&[DVec3]>,

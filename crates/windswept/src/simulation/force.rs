@@ -43,7 +43,8 @@ impl Simulation {
     /// not lose what hair gets from this force.
     ///
     /// # Errors
-    /// [`RunError::Input`] when an array that is not empty has not a row for each point or particle, or something is beyond 1e18;
+    /// [`RunError::Input`] when an array that is not empty has not a row for each point or particle, or something is
+    /// beyond 1e18;
     /// [`RunError::Gpu`].
     pub fn set_force(&mut self, force: &Accelerations) -> Result<(), RunError> {
         self.push(force)?;

@@ -23,8 +23,8 @@ impl Simulation {
     /// goes back to where it was at the start, with the velocity of the mean wind.
     ///
     /// # Errors
-    /// `error` itself, if nothing that can be put back to rest ended the run, or if the same step has failed three times since the
-    /// simulation was made or loaded; [`RunError::Gpu`] if the device is lost.
+    /// `error` itself, if nothing that can be put back to rest ended the run, or if the same step has failed three
+    /// times since the simulation was made or loaded; [`RunError::Gpu`] if the device is lost.
     pub fn recover(&mut self, error: RunError) -> Result<Reset, RunError> {
         let causes = self.last.causes;
         let (step, times) = self.recovered;
