@@ -75,7 +75,8 @@ impl Table {
                 Some(Place::Texture(texel)) => format!("Bound::Texture {{ texel: {texel} }}"),
             };
             let row = format!(
-                "Binding {{ binding: {}, name: {:?}, kind: BufferKind::{kind}, reads: {read}, writes: {written}, stride: {stride}, in_software: {in_software} }}",
+                "Binding {{ binding: {}, name: {:?}, kind: BufferKind::{kind}, reads: {read}, writes: {written}, \
+                stride: {stride}, in_software: {in_software} }}",
                 binding.binding,
                 variable.name.clone().unwrap_or_default(),
             );
@@ -96,12 +97,14 @@ impl Table {
         let Shares { with_subgroups, without_subgroups, in_software } = shares;
         writeln!(
             text,
-            "shares: Shares {{ with_subgroups: {with_subgroups}, without_subgroups: {without_subgroups}, in_software: {in_software} }},"
+            "shares: Shares {{ with_subgroups: {with_subgroups}, without_subgroups: {without_subgroups}, in_software: \
+            {in_software} }},"
         )?;
         let Operations { invocation, own_batch, other_batch, more } = operations(module, info);
         writeln!(
             text,
-            "operations: Operations {{ invocation: {invocation}, own_batch: {own_batch}, other_batch: {other_batch}, more: {more} }},"
+            "operations: Operations {{ invocation: {invocation}, own_batch: {own_batch}, other_batch: {other_batch}, \
+            more: {more} }},"
         )?;
         let rows: Vec<_> = bindings.into_values().map(|(row, _)| row).collect();
         writeln!(text, "bindings: &[{}],\n}};", rows.join(",\n"))?;
@@ -116,7 +119,8 @@ impl Table {
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "{}pub static {constant}: Picture = Picture {{ name: {:?}, source: include_str!(concat!(env!(\"OUT_DIR\"), \"/{target}\")) }};",
+            "{}pub static {constant}: Picture = Picture {{ name: {:?}, source: \
+            include_str!(concat!(env!(\"OUT_DIR\"), \"/{target}\")) }};",
             doc(&source.title),
             source.name(),
         );
@@ -162,7 +166,8 @@ impl Table {
                 }
                 writeln!(
                     text,
-                    "/// What `shaders/{}.wgsl` declares.\n#[allow(missing_docs, clippy::approx_constant)] // as the WGSL has them\npub mod {} {{",
+                    "/// What `shaders/{}.wgsl` declares.\n#[allow(missing_docs, clippy::approx_constant)] // as the \
+                    WGSL has them\npub mod {} {{",
                     source.name(),
                     source.stem
                 )?;

@@ -1,13 +1,17 @@
 // Commits what the air has given each body, and counts the steps in which air beside bodies does not keep its density,
 // or goes too far: where that lasts the step is too long for the body.
-import package::common::{params::params, dispatch::{invocation, WORKGROUP}, status::{status, frozen, count, AIR_BESIDE}};
+import package::common::{
+    params::params, dispatch::{invocation, WORKGROUP}, status::{status, frozen, count, AIR_BESIDE},
+};
 
 const LARGEST_ERROR: f32 = 0.06;   // rms of theta - 1 within a kernel radius of bodies
 const LONG: f32 = 0.02;            // s
 const FAR: f32 = 1.2;              // d, of the way in a step
 
-@group(0) @binding(2) var<storage, read>       air_total:           array<mat2x4f>;   // of each body (`contact/body_impulse`)
-@group(0) @binding(3) var<storage, read>       coarse_impulse: array<vec4f>;          // by the coarse pressure, over the mass of an air particle [m/s]
+// of each body (`contact/body_impulse`)
+@group(0) @binding(2) var<storage, read>       air_total:           array<mat2x4f>;
+// by the coarse pressure, over the mass of an air particle [m/s]
+@group(0) @binding(3) var<storage, read>       coarse_impulse: array<vec4f>;
 @group(0) @binding(4) var<storage, read_write> body_impulse:   array<vec4f>;          // of the run [kg m/s]
 
 @compute @workgroup_size(WORKGROUP)

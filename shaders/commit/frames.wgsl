@@ -4,7 +4,8 @@
 // The turn between two frames is off by their rounding, which as a spin would kick the strand in every step: the direct
 // solver keeps the turn itself.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, conjugate, rotation_vector}, integration::{KINEMATIC, rate},
+    params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, conjugate, rotation_vector},
+    integration::{KINEMATIC, rate},
     rod::{RodStrand, RodSegment, SegmentHistory, StrandHistory, Root}, status::frozen,
 };
 

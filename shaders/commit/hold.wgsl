@@ -1,7 +1,8 @@
 // A strand of which a position is not finite at the end of the step, or a velocity is not or exceeds what anything can
 // have, ends the step at rest where it began, and is reset in the next, like a strand that `rods/update` holds.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, integration::KINEMATIC, rod::{Strand, RodStrand, RodSegment, FAILED}, validity::can_be,
+    params::params, dispatch::{invocation, WORKGROUP}, integration::KINEMATIC,
+    rod::{Strand, RodStrand, RodSegment, FAILED}, validity::can_be,
     share::{Stretch, item_of, lane_of_item, stretch_of, least_shared},
     status::{frozen, count_bad_strand, BY_HOLD, NO_POINT},
 };

@@ -12,7 +12,8 @@ const LONG: f32 = 0.1;          // s
 @group(0) @binding(3) var<storage, read>       final_velocity: array<vec4f>;
 @group(0) @binding(4) var<storage, read_write> position:       array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> velocity:       array<vec4f>;
-@group(0) @binding(6) var<storage, read>       confinement_total:   array<vec4f>;   // sum of what confinement changed velocities by [m/s]
+// sum of what confinement changed velocities by [m/s]
+@group(0) @binding(6) var<storage, read>       confinement_total:   array<vec4f>;
 @group(0) @binding(7) var<storage, read_write> confinement_impulse: array<vec4f>;   // one, of the run [kg m/s]
 
 @compute @workgroup_size(WORKGROUP)

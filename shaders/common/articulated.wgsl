@@ -45,7 +45,8 @@ struct Passed {
 }
 
 const STIFFEST: f32 = 1e-6;   // 1/(N m): a compliance below it counts as it, 0 among them,
-const UNEVEN: f32 = 1e-3;     // and so does one below this part of the spring's largest: f32 holds no stiffnesses farther apart
+// and so does one below this part of the spring's largest: f32 holds no stiffnesses farther apart
+const UNEVEN: f32 = 1e-3;
 const ONE = mat3x3f(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), vec3f(0.0, 0.0, 1.0));
 
 // sum_i k_i c_i c_i^T over the columns of m, and sum_i k_i gap_i c_i.
@@ -74,7 +75,8 @@ fn swapped(b: Beyond) -> Beyond {
 
 fn through(b: Beyond, k: Spring, holds: bool) -> Passed {
     let e = inverse_of(plus(b.own, k.stiffness));
-    let answer = Answer(applied(e, b.force + k.force), applied_to_columns(e, full(b.own)), applied_to_columns(e, b.cross));
+    let answer = Answer(applied(e, b.force + k.force), applied_to_columns(e, full(b.own)),
+        applied_to_columns(e, b.cross));
     var after = b;
     after.own = symmetric_product(full(k.stiffness), answer.by_own);
     after.other = minus(b.other, symmetric_product(b.cross, answer.by_other));

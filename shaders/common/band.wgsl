@@ -4,7 +4,8 @@ struct Band {
     scale: f32,            // scale of the eddies: s of the Mexican hat [m]
     reach: f32,            // distance at which the filter is cut [m]
     gain: f32,             // factor of the filter's sum [1/m^3]; as published [mm^(-3/2) * mm/m]
-    strength: f32,         // S, a number; as published 1/2 epsilon m, so that the acceleration is strength |u|^2 (N x omega)
+    // S, a number; as published 1/2 epsilon m, so that the acceleration is strength |u|^2 (N x omega)
+    strength: f32,
     largest_speed: f32,    // beyond which the band is not strengthened: I U, at most a kernel radius in a substep [m/s]
     first_block: u32,      // first block of cells that this dispatch covers
     end_block: u32,        // end of the blocks that this dispatch covers

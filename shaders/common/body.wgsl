@@ -53,7 +53,8 @@ fn place(body: Body, before: Pose, after: Pose) -> Placed {
     return Placed(
         now - half, body.radius, now + half, body.friction, now, center + before.translation,
         // To the bit none, where it does not turn: a body that rests wakes no hair.
-        select(normalize(product(after.rotation, conjugate(before.rotation))), vec4f(0.0, 0.0, 0.0, 1.0), all(before.rotation == after.rotation)),
+        select(normalize(product(after.rotation, conjugate(before.rotation))), vec4f(0.0, 0.0, 0.0, 1.0),
+            all(before.rotation == after.rotation)),
         normalize(product(after.rotation, body.rotation)), body.grid,
     );
 }
@@ -90,7 +91,8 @@ fn near(body: Placed, base: vec3f, way: vec3f) -> Surface {
     let gap = gap_to_start - first * axis;
     let moved = way - more * axis;
     let r = length(gap + moved);
-    let distance = (length(gap) - body.radius) + dot(moved, 2.0 * gap + moved) / max(length(gap) + r, 1e-6 * body.radius);
+    let distance = (length(gap) - body.radius)
+        + dot(moved, 2.0 * gap + moved) / max(length(gap) + r, 1e-6 * body.radius);
     if r > 1e-6 * body.radius { return Surface((gap + moved) / r, distance); }
     // From the axis every direction across it leads out.
     let across = select(vec3f(axis.z, 0.0, -axis.x), vec3f(0.0, axis.z, -axis.y), abs(axis.x) > abs(axis.y));
@@ -126,7 +128,8 @@ fn surface_of_grid(grid: Grid, x: vec3f, way: vec3f) -> Surface {
     let i = grid.first + seat.z * layer + seat.y * row + seat.x;
     // Four edges along x: of both y at the lower z, of both y at the upper z.
     let near = vec4f(distances[i], distances[i + row], distances[i + layer], distances[i + layer + row]);
-    let far = vec4f(distances[i + 1u], distances[i + row + 1u], distances[i + layer + 1u], distances[i + layer + row + 1u]);
+    let far = vec4f(distances[i + 1u], distances[i + row + 1u], distances[i + layer + 1u],
+        distances[i + layer + row + 1u]);
     let along_x = mix(near, far, part.x);
     let slope_x = mix((far - near).xz, (far - near).yw, part.y);
     let along_y = mix(along_x.xz, along_x.yw, part.y);

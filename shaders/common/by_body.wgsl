@@ -13,7 +13,9 @@ fn sum_by_body(terms: u32, groups: vec3u, local: u32, group: vec3u) {
     if g < arrayLength(&partial_sum) {
         for (var lane = local; lane < WORKGROUP; lane += WORKERS) {
             var of_lane = mat2x4f();
-            for (var i = g % CHUNKS * WORKGROUP + lane; i < terms; i += CHUNKS * WORKGROUP) { of_lane += term(i, body); }
+            for (var i = g % CHUNKS * WORKGROUP + lane; i < terms; i += CHUNKS * WORKGROUP) {
+                of_lane += term(i, body);
+            }
             own += of_lane;
         }
     }

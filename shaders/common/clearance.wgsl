@@ -1,6 +1,8 @@
 // Moves air out of bodies, to its clearance. Where two surfaces are near to one another, the clearance from one may
 // lead into the other: in the last rounds air is moved no farther than out.
-import package::common::{params::params, cells::wrap, nearest::{Nearest, nearest}, wall::{Wall, gradient_beyond, path_beside}};
+import package::common::{
+    params::params, cells::wrap, nearest::{Nearest, nearest}, wall::{Wall, gradient_beyond, path_beside},
+};
 
 const CLEARANCE: f32 = 0.4;   // least distance of air from a surface [d]
 const ROUNDS: u32 = 4u;       // the first half to the clearance
@@ -30,7 +32,8 @@ fn cleared(place: vec3f) -> Cleared {
 // The wall to a particle of this speed.
 fn wall_of(near: Nearest, speed: f32) -> Wall {
     return Wall(
-        near.normal, gradient_beyond(near.distance), vec3f(0.0), near.body, dot(near.velocity, near.normal), near.distance,
+        near.normal, gradient_beyond(near.distance), vec3f(0.0), near.body, dot(near.velocity, near.normal),
+        near.distance,
         path_beside(near.distance, speed, near.velocity),
     );
 }

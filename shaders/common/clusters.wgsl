@@ -25,7 +25,8 @@ var<private> box: vec3f;    // m, sides of the box of air
 var<private> frame: vec3f;  // m, by which the cluster is moved towards 0 to meet others
 var<private> meets: u32;    // bit by bit, which entries of the batch that is shown the invocation meets
 var<private> nobody: bool;  // the invocation reads for the others, and has no particle, or another one has it
-var<private> member: u32;   // a particle of the cluster, which is read where an entry is none: what it has is of the cluster's kind
+// a particle of the cluster, which is read where an entry is none: what it has is of the cluster's kind
+var<private> member: u32;
 
 // Clusters of hair are few and have long lists, through which a GPU waits for memory: there four times eight
 // invocations share a cluster in a pass that asks for it (`of_shared`), and each eight meet every fourth group of its
@@ -127,7 +128,8 @@ fn meet_both_kinds(at: vec3f) {
     set_origin(at - frame);
     for (var part = 0u; part < 2u; part++) {
         let second = part == 1u;
-        meet_batches(cluster.first + select(0u, elements_of(cluster.own), second), select(cluster.own, cluster.others, second));
+        meet_batches(cluster.first + select(0u, elements_of(cluster.own), second),
+            select(cluster.own, cluster.others, second));
     }
 }
 

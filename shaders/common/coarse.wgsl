@@ -1,9 +1,12 @@
 // The coarse pressure's push at a place:
 //
-//   q = -sigma sum_n c_n grad phi_n(x),  sigma = min(1, d/(U dt))          phi_n quadratic B-splines, U the largest wind
+//   q = -sigma sum_n c_n grad phi_n(x),  sigma = min(1, d/(U dt))
+//       phi_n quadratic B-splines, U the largest wind
 //
 // Air that passes several spacings in a step is not where the pressure was found.
-import package::common::{params::params, status::status, mesh::{Mesh, LINEAR, QUADRATIC, weights, node_index, window_of}};
+import package::common::{
+    params::params, status::status, mesh::{Mesh, LINEAR, QUADRATIC, weights, node_index, window_of},
+};
 
 @group(0) @binding(2) var<uniform>       mesh:  Mesh;
 @group(0) @binding(3) var<storage, read> nodes: array<f32>;   // c [m^2/s]

@@ -87,7 +87,8 @@ fn deposit(block: vec3i, cells: vec3i, part: Part) {
         }
         if e < end {
             let t = bring(e) - seen;
-            add(weights(window, vec4f(t.x, t.x - 1.0, t.x - 2.0, t.x - 3.0)), weights(window, vec4f(t.y, t.y - 1.0, t.z, t.z - 1.0)));
+            add(weights(window, vec4f(t.x, t.x - 1.0, t.x - 2.0, t.x - 3.0)),
+                weights(window, vec4f(t.y, t.y - 1.0, t.z, t.z - 1.0)));
             e += part.particles_apart;
         }
     }
@@ -148,7 +149,8 @@ fn deposit(block: vec3i, cells: vec3i, part: Part) {
         }
         if e < end {
             let t = bring(e) - seen;
-            add(weights(window, vec4f(t.x, t.x - 1.0, t.x - 2.0, t.x - 3.0)), weights(window, vec4f(t.y, t.y - 1.0, t.z, t.z - 1.0)));
+            add(weights(window, vec4f(t.x, t.x - 1.0, t.x - 2.0, t.x - 3.0)),
+                weights(window, vec4f(t.y, t.y - 1.0, t.z, t.z - 1.0)));
             e += part.particles_apart;
         }
     }

@@ -1,8 +1,10 @@
 // The wind of all force fields at a place, and how fast it draws air. With S the strength, w the weight, q the distance
 // from a vortex's axis or from a point:
 //
-//   jet      u = w S axis                              w = f(max(z/reach, -z/radius)) f(r/radius), z along the axis, r off it
-//   vortex   u = w S axis x e R(q), R = min(q/radius, radius/q)          w = f(q/reach), e from the axis: Rankine's vortex
+//   jet      u = w S axis
+//       w = f(max(z/reach, -z/radius)) f(r/radius), z along the axis, r off it
+//   vortex   u = w S axis x e R(q), R = min(q/radius, radius/q)
+//       w = f(q/reach), e from the axis: Rankine's vortex
 //   point    u = w S e R(q), R = min(q/radius, (radius/q)^2)             w = f(q/reach), e from the origin: a source
 //
 //   f falls from 1 at 1/2 to 0 at 1, as 1 - smoothstep;   rate = w |S|/uptake

@@ -1,6 +1,7 @@
 // Time integration of rods: BDF2 or implicit Euler, one form for both. With d the last step's move,
 //
-//   move without the rod's forces = carry d + h (v + h a)/(1 + c h)      v = (4 v_n - v_(n-1))/3, h = 2/3 dt, carry = 1/3
+//   move without the rod's forces = carry d + h (v + h a)/(1 + c h)
+//       v = (4 v_n - v_(n-1))/3, h = 2/3 dt, carry = 1/3
 //   v_(n+1) = (move - carry d)/h                                    Euler: v = v_n,               h = dt,     carry = 0
 //
 // A force f moves a point by w f h^2/(1 + c h), w its inverse mass: `response`. c is the scene's damping, and for a

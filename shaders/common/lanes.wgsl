@@ -62,7 +62,8 @@ fn from_lane(other: u32) -> Near {
 // Values that each of the eight keeps for the others, by number.
 const KEPT: u32 = 12u;
 
-var<private> first_of_eight: u32;   // its number in the subgroup, or in the workgroup; a pass sets it before it asks for what is kept
+// its number in the subgroup, or in the workgroup; a pass sets it before it asks for what is kept
+var<private> first_of_eight: u32;
 
 @if(subgroups) var<private> keeps: array<vec2u, KEPT>;
 @if(!subgroups) var<workgroup> all_keeps: array<array<vec2u, KEPT>, WORKGROUP>;

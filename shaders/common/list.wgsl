@@ -24,7 +24,8 @@ const BATCHES: u32 = 3u;          // of a group
 const NOBODY: u32 = 0xffffffffu;  // an entry that is no particle
 const INDEX: u32 = 0x03ffffffu;   // bits of an entry, or of a head, that are the particle's index
 const NONE: u32 = 0x80000000u;    // bit of a head that says that the invocation has no particle
-const IMAGE_BITS: u32 = 26u;      // bit from which on an entry says which image its particle is in, as seen from the frame: 1 and -1, 0 or 1 per axis
+// bit from which on an entry says which image its particle is in, as seen from the frame: 1 and -1, 0 or 1 per axis
+const IMAGE_BITS: u32 = 26u;
 const FRAME_BITS: u32 = 29u;      // bit from which on the number of the own kind's batches has the frame
 const FAR: f32 = 1e9;             // m, where nobody is
 

@@ -10,7 +10,8 @@ struct Mesh {
     nearest: i32,            // node that the first tap is for, counted from the first node that is made
     first_tap: u32,          // index of the first pair of taps in `taps`
     end_tap: u32,            // end of the pairs of taps in `taps`
-    solves: u32,             // 1: this dispatch solves for the coarse pressure of the waves that it makes; 0: it does not
+    // 1: this dispatch solves for the coarse pressure of the waves that it makes; 0: it does not
+    solves: u32,
 }
 
 // B-splines; their supports are 2 and 3 spacings wide.

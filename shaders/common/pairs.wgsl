@@ -42,7 +42,8 @@ fn set_origin(at: vec3f) {
 
 fn meet_four(a: Near, b: Near, c: Near, d: Near) -> Four {
     let gaps = mat4x3f(here - a.at, here - b.at, here - c.at, here - d.at);
-    let squares = per_square * vec4f(dot(gaps[0], gaps[0]), dot(gaps[1], gaps[1]), dot(gaps[2], gaps[2]), dot(gaps[3], gaps[3]));
+    let squares = per_square
+        * vec4f(dot(gaps[0], gaps[0]), dot(gaps[1], gaps[1]), dot(gaps[2], gaps[2]), dot(gaps[3], gaps[3]));
     // Lengths are those over h. Particles that lie on one another have no direction: the slope is what it tends to.
     let per_length = inverseSqrt(max(squares, vec4f(NEAREST)));
     let left = max(1.0 - squares * per_length, vec4f(0.0));

@@ -24,7 +24,8 @@ struct Stress {
     pressure: f32,         // lambda/V, by which a wall pushes the particle
 }
 
-const LASTING: f32 = 1.5;   // impulse of a push over all steps: BDF2 hands a third of it on to the next, and 1 + 1/3 + 1/9 + ... = 3/2
+// impulse of a push over all steps: BDF2 hands a third of it on to the next, and 1 + 1/3 + 1/9 + ... = 3/2
+const LASTING: f32 = 1.5;
 const THIN: f32 = 0.6;      // rho/rho_0 below which air is missing: pressure pushes there, and does not pull
 
 // The pressure that a particle of this density may have.

@@ -39,8 +39,10 @@ fn rotation(turn: vec3f) -> vec4f {
     let v = select(turn, turn * (PI / size), size > PI);
     let s = -0.25 * dot(v, v);
     // cos x and sin x / x of half the angle, s = -x^2 above -2.5: the next terms are below 1e-8.
-    let cosine = 1.0 + s / 2.0 * (1.0 + s / 12.0 * (1.0 + s / 30.0 * (1.0 + s / 56.0 * (1.0 + s / 90.0 * (1.0 + s / 132.0)))));
-    let sine = 1.0 + s / 6.0 * (1.0 + s / 20.0 * (1.0 + s / 42.0 * (1.0 + s / 72.0 * (1.0 + s / 110.0 * (1.0 + s / 156.0)))));
+    let cosine = 1.0
+        + s / 2.0 * (1.0 + s / 12.0 * (1.0 + s / 30.0 * (1.0 + s / 56.0 * (1.0 + s / 90.0 * (1.0 + s / 132.0)))));
+    let sine = 1.0
+        + s / 6.0 * (1.0 + s / 20.0 * (1.0 + s / 42.0 * (1.0 + s / 72.0 * (1.0 + s / 110.0 * (1.0 + s / 156.0)))));
     return vec4f(0.5 * sine * v, cosine);
 }
 

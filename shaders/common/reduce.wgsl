@@ -13,7 +13,8 @@ const TERMS: u32 = 16u;   // terms of a lane, in a sum over particles
 @if(software) const WORKERS: u32 = LANES;
 @if(!software) const WORKERS: u32 = WORKGROUP;
 
-@group(0) @binding(21) var<storage, read_write> partial_sum: array<mat2x4f>;   // one of each workgroup of the first pass
+// one of each workgroup of the first pass
+@group(0) @binding(21) var<storage, read_write> partial_sum: array<mat2x4f>;
 
 @if(!software) var<workgroup> sums: array<mat2x4f, WORKGROUP>;
 

@@ -4,4 +4,5 @@
 // rounding lets points and frames tremble, by as much however short the step is, and so the faster the shorter it is.
 
 const STILL_TURN: f32 = 1e-3;     // turn of a frame at rest [rad]
-const RESTING_STEPS: u32 = 10u;   // number of steps for which a strand must have been still at least, however long they are
+// number of steps for which a strand must have been still at least, however long they are
+const RESTING_STEPS: u32 = 10u;

@@ -9,14 +9,16 @@ const UNRECOVERED_STRAND: u32 = 8u;      // a strand is bad or lost: replay with
 
 const STRAND_RESET: u32 = 0u;          // a non-finite strand goes back to its rest pose
 const OVER_STRAINED: u32 = 1u;         // a strand with a segment a twentieth too long or short for 50 steps on end
-const HAIR_OUTSIDE: u32 = 2u;          // a step behind 0.1 s on end with more than a twentieth of the hair outside the box
+// a step behind 0.1 s on end with more than a twentieth of the hair outside the box
+const HAIR_OUTSIDE: u32 = 2u;
 const CONFINEMENT_LIMITED: u32 = 3u;   // a step in which a band would have grown by more than half of its speed
 const EULER_STEP: u32 = 4u;            // a strand took implicit Euler where BDF2 is asked for
 const SLEEPING_STEP: u32 = 5u;         // a strand slept
 const TELEPORT: u32 = 6u;              // a strand moved as a whole with its root
 const UNSOLVED_STEP: u32 = 7u;         // a strand had not settled after the last Newton step
 const EXCHANGE_LIMITED: u32 = 8u;      // a hair point whose exchange with the air was limited
-const AIR_BESIDE: u32 = 9u;            // a step in which air beside bodies was not as dense as it should be, or went too far
+// a step in which air beside bodies was not as dense as it should be, or went too far
+const AIR_BESIDE: u32 = 9u;
 const COUNTERS: u32 = 10u;
 
 const BY_RESET: u32 = 0u;    // passes that find strands which are not finite: forcing/reset as the step begins,
@@ -27,11 +29,14 @@ const NO_POINT: u32 = 0xffffffffu;
 struct Status {
     causes: atomic<u32>,              // bits above
     step: u32,                        // committed engine steps
-    ended: u32,                       // 1 once a step that froze has ended: those behind it in the same batch find nothing out
-    neighbours: atomic<u32>,          // elements that the longest page of the list needs in this step, the low half of 64 bits
+    // 1 once a step that froze has ended: those behind it in the same batch find nothing out
+    ended: u32,
+    // elements that the longest page of the list needs in this step, the low half of 64 bits
+    neighbours: atomic<u32>,
     neighbour_carries: atomic<u32>,   // the high half
     failed_strands: atomic<u32>,      // non-finite in this step
-    first_bad: atomic<u32>,           // smallest hair point that is not finite in this step, times 4, and the pass that found it
+    // smallest hair point that is not finite in this step, times 4, and the pass that found it
+    first_bad: atomic<u32>,
     reset_first: u32,                 // that of the last committed step in which one was not finite
     reset_step: u32,                  // number of that step, from 1; 0 if there was none
     first_bad_air: atomic<u32>,       // smallest id

@@ -18,7 +18,8 @@ fn cross_dyad(k: f32, v: vec3f) -> Symmetric {
 // m^T n, where that is symmetric.
 fn symmetric_product(m: mat3x3f, n: mat3x3f) -> Symmetric {
     return Symmetric(
-        vec3f(dot(m[0], n[0]), dot(m[1], n[1]), dot(m[2], n[2])), vec3f(dot(m[1], n[2]), dot(m[2], n[0]), dot(m[0], n[1])),
+        vec3f(dot(m[0], n[0]), dot(m[1], n[1]), dot(m[2], n[2])),
+        vec3f(dot(m[1], n[2]), dot(m[2], n[0]), dot(m[0], n[1])),
     );
 }
 

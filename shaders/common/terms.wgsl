@@ -1,5 +1,7 @@
 // The first pass of a sum over air: a partial sum of each workgroup. A pass says what a particle brings, in `term`.
-import package::common::{params::params, dispatch::{invocation, WORKGROUP}, reduce::{partial_sum, total, TERMS, WORKERS}};
+import package::common::{
+    params::params, dispatch::{invocation, WORKGROUP}, reduce::{partial_sum, total, TERMS, WORKERS},
+};
 import package::pass::term;
 
 fn sum_terms(id: vec3u, groups: vec3u, local: u32, group: vec3u) {

@@ -18,7 +18,8 @@ struct Wall {
     way: f32,          // of the air in a step beside the body [d], at most 1; none far from it
 }
 
-const NEAR: f32 = 4.0;       // distance from a body up to which density errors are fed back in full; from twice that on not at all [d]
+// distance from a body up to which density errors are fed back in full; from twice that on not at all [d]
+const NEAR: f32 = 4.0;
 const FAR: f32 = 9.0;        // beyond which a wall does nothing, wherever air is shifted to [d]
 
 // P at a distance.

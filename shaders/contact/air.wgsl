@@ -6,7 +6,8 @@
 //
 //   v_t *= exp(-1/2 C_f |v_t| dt/d)                v_t: along the surface, relative to it
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, clearance::{cleared, wall_of}, wall::{Wall, NEAR}, status::{status, frozen},
+    params::params, dispatch::{invocation, WORKGROUP}, clearance::{cleared, wall_of}, wall::{Wall, NEAR},
+    status::{status, frozen},
 };
 
 @group(0) @binding(2) var<storage, read_write> predicted:    array<vec4f>;

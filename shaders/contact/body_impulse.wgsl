@@ -1,6 +1,8 @@
 // Impulse of the air on each body in this step, and how far its density is off beside the body: sums over
 // particles.
-import package::common::{params::params, dispatch::WORKGROUP, cells::is_air, status::frozen, wall::Wall, by_body::sum_by_body};
+import package::common::{
+    params::params, dispatch::WORKGROUP, cells::is_air, status::frozen, wall::Wall, by_body::sum_by_body,
+};
 
 @group(0) @binding(2) var<storage, read> wall:    array<Wall>;
 @group(0) @binding(3) var<storage, read> density: array<f32>;   // rho / rho_0
@@ -19,7 +21,8 @@ fn term(i: u32, body: u32) -> mat2x4f {
 
 @compute @workgroup_size(WORKGROUP)
 fn main(
-    @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32, @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32,
+    @builtin(workgroup_id) group: vec3u,
 ) {
     sum_by_body(select(params.particles, 0u, frozen()), groups, local, group);
 }

@@ -2,22 +2,27 @@
 // among disordered particles, and is taken out: pressure drives no wind. Of what is left, the air gets little more than
 // the part that takes the most energy from it:
 //
-//   p = 1.15 a/b, from 0 to 1,  a = -sum (q - mean q) . v,  b = sum |q - mean q|^2        the energy changes by m (-p a + p^2 b/2)
+//   p = 1.15 a/b, from 0 to 1,  a = -sum (q - mean q) . v,  b = sum |q - mean q|^2
+//       the energy changes by m (-p a + p^2 b/2)
 //
 // Bodies count as if they were filled with air that moves with them (`fluid/coarse_solid`): in the mean and in a. They
 // get p (q - mean q) as an impulse.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, status::frozen, pressure::{Pressed, LASTING}, mean::air_particles, body::BODIES,
+    params::params, dispatch::{invocation, WORKGROUP}, status::frozen, pressure::{Pressed, LASTING},
+    mean::air_particles, body::BODIES,
 };
 
-const BEYOND: f32 = 1.15;   // of the part that takes the most energy: less takes too much from eddies, more lets air clump
+// of the part that takes the most energy: less takes too much from eddies, more lets air clump
+const BEYOND: f32 = 1.15;
 
 @group(0) @binding(2) var<storage, read>       coarse_change: array<vec4f>;
-@group(0) @binding(3) var<storage, read>       coarse_total:  array<vec4f>;   // sums over air: q, w: q . v; then v, w: q . q (`reduce/changes`)
+// sums over air: q, w: q . v; then v, w: q . q (`reduce/changes`)
+@group(0) @binding(3) var<storage, read>       coarse_total:  array<vec4f>;
 @group(0) @binding(4) var<storage, read_write> new_velocity:  array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> pressed:       array<Pressed>;
 @group(0) @binding(6) var<storage, read>       solid_total:   array<mat2x4f>;  // of each body (`fluid/coarse_solid`)
-@group(0) @binding(7) var<storage, read_write> coarse_impulse: array<vec4f>;   // of each body, over the mass of an air particle [m/s]
+// of each body, over the mass of an air particle [m/s]
+@group(0) @binding(7) var<storage, read_write> coarse_impulse: array<vec4f>;
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {

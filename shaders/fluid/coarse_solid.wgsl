@@ -2,7 +2,8 @@
 // that lie in each body, three along each axis of a cell. The grid is solved for a box full of air, of which bodies
 // take a part: its momentum and energy count.
 import package::common::{
-    params::params, dispatch::WORKGROUP, status::frozen, coarse::{mesh, pushed_at}, body::{surface, surface_move}, nearest::placed,
+    params::params, dispatch::WORKGROUP, status::frozen, coarse::{mesh, pushed_at}, body::{surface, surface_move},
+    nearest::placed,
     by_body::sum_by_body,
 };
 
@@ -26,7 +27,8 @@ fn term(i: u32, body: u32) -> mat2x4f {
 
 @compute @workgroup_size(WORKGROUP)
 fn main(
-    @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32, @builtin(workgroup_id) group: vec3u,
+    @builtin(num_workgroups) groups: vec3u, @builtin(local_invocation_index) local: u32,
+    @builtin(workgroup_id) group: vec3u,
 ) {
     let counts = ALONG * mesh.nodes;
     sum_by_body(select(u32(counts.x * counts.y * counts.z), 0u, frozen()), groups, local, group);

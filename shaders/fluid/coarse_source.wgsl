@@ -6,7 +6,8 @@
 // half on a cylinder or a plane: 1.5 and 2 times the wall's part would be right if no iterations followed. It counts
 // 1.25 times.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, status::frozen, mesh::Mesh, pressure::{Stress, THIN}, body::BODIES,
+    params::params, dispatch::{invocation, WORKGROUP}, status::frozen, mesh::Mesh, pressure::{Stress, THIN},
+    body::BODIES,
     wall::Wall,
 };
 
@@ -15,7 +16,8 @@ import package::common::{
 @group(0) @binding(4) var<storage, read>       sorted_position: array<vec4f>;
 @group(0) @binding(5) var<storage, read>       stress:          array<Stress>;
 @group(0) @binding(6) var<storage, read>       density:         array<f32>;            // rho / rho_0
-@group(0) @binding(7) var<storage, read_write> deposit_source:         array<vec4f>;   // xyz: place in node spacings; w: s/max(1, theta) [1/s]
+// xyz: place in node spacings; w: s/max(1, theta) [1/s]
+@group(0) @binding(7) var<storage, read_write> deposit_source:         array<vec4f>;
 @group(0) @binding(8) var<storage, read>       wall:            array<Wall>;
 @group(0) @binding(9) var<storage, read>       new_velocity:    array<vec4f>;
 

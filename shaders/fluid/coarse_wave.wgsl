@@ -8,7 +8,8 @@
 // axis by its own s = sin^2(t/2).
 //
 //   c(k) = r(k)/S(k),  S = cell/V (K_x M_y M_z/H_x^2 + M_x K_y M_z/H_y^2 + M_x M_y K_z/H_z^2)
-//   M = (66 + 52 cos t + 2 cos 2t)/120 = 1 - s + 2/15 s^2,  K = 1 - 2/3 cos t - 1/3 cos 2t = 4 s (1 - 2/3 s),  t = 2 pi k/n
+//   M = (66 + 52 cos t + 2 cos 2t)/120 = 1 - s + 2/15 s^2,  K = 1 - 2/3 cos t - 1/3 cos 2t = 4 s (1 - 2/3 s),
+//       t = 2 pi k/n
 //
 // The mean has no gradient, and is left out.
 import package::common::{dispatch::{invocation, WORKGROUP}, pi::PI, status::frozen, mesh::Mesh};

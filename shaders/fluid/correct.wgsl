@@ -10,9 +10,11 @@ import package::common::{
 };
 
 @group(0) @binding(3) var<storage, read>       predicted:  array<vec4f>;       // xyz [m], w: volume [m^3]
-@group(0) @binding(4) var<storage, read>       multiplier: array<vec2f>;       // kg m^2, lambda, and the part of it that becomes velocity
+// kg m^2, lambda, and the part of it that becomes velocity
+@group(0) @binding(4) var<storage, read>       multiplier: array<vec2f>;
 @group(0) @binding(5) var<storage, read_write> shift:      array<vec4f>;       // m, of this iteration
-@group(0) @binding(6) var<storage, read_write> velocity_shift: array<vec4f>;   // m, what of it becomes velocity; w: lambda times relaxation
+// m, what of it becomes velocity; w: lambda times relaxation
+@group(0) @binding(6) var<storage, read_write> velocity_shift: array<vec4f>;
 
 var<private> own_index: u32;
 var<private> volume: f32;

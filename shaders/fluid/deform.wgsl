@@ -34,5 +34,6 @@ fn main(
     velocity = new_velocity[i].xyz;
     meet_own_kind(predicted[i].xyz);
     if has_none() { return; }
-    exchange[i].deformation = params.step * length(vec3f(length(deformed[0]), length(deformed[1]), length(deformed[2])));
+    exchange[i].deformation = params.step
+        * length(vec3f(length(deformed[0]), length(deformed[1]), length(deformed[2])));
 }

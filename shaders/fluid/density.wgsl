@@ -13,7 +13,8 @@ import package::common::{
 
 @group(0) @binding(3) var<storage, read>       predicted:  array<vec4f>;   // xyz [m], w: volume [m^3]
 @group(0) @binding(4) var<storage, read_write> density:    array<f32>;     // rho / rho_0
-@group(0) @binding(5) var<storage, read_write> multiplier: array<vec2f>;   // lambda [kg m^2], and the part of it that becomes velocity
+// lambda [kg m^2], and the part of it that becomes velocity
+@group(0) @binding(5) var<storage, read_write> multiplier: array<vec2f>;
 
 const ABRUPT: f32 = 0.2;   // C of air beyond which a move becomes no velocity
 

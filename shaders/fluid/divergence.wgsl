@@ -12,7 +12,8 @@
 // together.
 import package::common::{
     params::params, dispatch::WORKGROUP, lanes::Near, pairs::{Pair, gradient_to},
-    clusters::{take_particle, has_none, of_flow, meet_own_kind}, pressure::{Pressed, Gradients, Stress, allowed}, body::BODIES, wall::Wall,
+    clusters::{take_particle, has_none, of_flow, meet_own_kind}, pressure::{Pressed, Gradients, Stress, allowed},
+    body::BODIES, wall::Wall,
 };
 
 struct Iteration {

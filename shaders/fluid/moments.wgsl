@@ -11,8 +11,10 @@
 // With it the push of the pressure that the step before left, lambda B/V.
 import package::common::{
     params::params, dispatch::WORKGROUP, lanes::Near, sph_kernels::poly6_factor, pairs::Pair,
-    clusters::{take_particle, has_none, of_flow, meet_own_kind}, pressure::{Pressed, Gradients, Stress, allowed, share_of},
-    body::BODIES, wall::{Wall, density_beyond}, symmetric::{Symmetric, adjugate_of, applied, applied_to_columns, determinant, dyad, plus, scaled},
+    clusters::{take_particle, has_none, of_flow, meet_own_kind},
+    pressure::{Pressed, Gradients, Stress, allowed, share_of},
+    body::BODIES, wall::{Wall, density_beyond},
+    symmetric::{Symmetric, adjugate_of, applied, applied_to_columns, determinant, dyad, plus, scaled},
 };
 
 const FLOOR: f32 = 0.02;      // added to the matrix before it is inverted

@@ -2,7 +2,8 @@
 // [m/s].
 import package::common::{
     params::params, dispatch::WORKGROUP, lanes::Near, pairs::Pair, friction_point::{FrictionPoint, pressed},
-    clusters::{take_particle, has_no_hair, of_shared, added_up, meet_own_kind}, own_strand::{Points, points_with, holds},
+    clusters::{take_particle, has_no_hair, of_shared, added_up, meet_own_kind},
+    own_strand::{Points, points_with, holds},
 };
 
 @group(0) @binding(2) var<storage, read>       predicted: array<vec4f>;   // xyz [m], w: volume [m^3]

@@ -1,6 +1,7 @@
 // Air goes where `fluid/spread` shifts it to. Beside bodies it sees another wall there, and is moved out of them.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, body::BODIES, clearance::{cleared, wall_of}, wall::{Wall, FAR}, status::frozen,
+    params::params, dispatch::{invocation, WORKGROUP}, body::BODIES, clearance::{cleared, wall_of}, wall::{Wall, FAR},
+    status::frozen,
 };
 
 @group(0) @binding(2) var<storage, read>       shift:        array<vec4f>;

@@ -19,20 +19,23 @@
 // After Xu, Stansby & Laurence (2009) and Lind et al. (2012); it goes with the step, so that its diffusion vanishes
 // with it.
 import package::common::{
-    params::params, dispatch::WORKGROUP, status::status, body::BODIES, wall::Wall, lanes::Near, sph_kernels::spiky_factor, pairs::{Pair, gradient_to, apart},
+    params::params, dispatch::WORKGROUP, status::status, body::BODIES, wall::Wall, lanes::Near,
+    sph_kernels::spiky_factor, pairs::{Pair, gradient_to, apart},
     clusters::{take_particle, has_none, of_air, meet_own_kind}, matter::Exchange,
 };
 
 const CARRIED: f32 = 0.065;   // at most, by the way in a step: with 0.1 strong eddies crowd air more and more
 const DEFORMED: f32 = 0.05;   // at most, of the deformation in a step
-const STILL: f32 = 1e-3;      // of the way or deformation in 1.38 ms: below that air is still, and from twice that on it is not
+// of the way or deformation in 1.38 ms: below that air is still, and from twice that on it is not
+const STILL: f32 = 1e-3;
 const LARGEST: f32 = 0.1;
 const FARTHEST: f32 = 0.25;   // d, of the shift
 const BESIDE: f32 = 0.12;     // of the way in a step beside bodies
 
 @group(0) @binding(3) var<storage, read>       predicted:    array<vec4f>;      // xyz [m], w: volume [m^3]
 @group(0) @binding(4) var<storage, read>       new_velocity: array<vec4f>;      // m/s
-@group(0) @binding(5) var<storage, read>       exchange:     array<Exchange>;   // the deformation is anything where wind blows
+// the deformation is anything where wind blows
+@group(0) @binding(5) var<storage, read>       exchange:     array<Exchange>;
 @group(0) @binding(6) var<storage, read_write> shift:        array<vec4f>;      // m
 @group(0) @binding(7) var<storage, read>       wall:         array<Wall>;
 

@@ -1,6 +1,7 @@
 // Air moves by BDF2, and goes on as pressure changed it in the step before:
 //
-//   v = v_n + dv,  x* = wrap(x_n + dt (v + a/2)),  v* = v + a/3        dv the wind's change, a what pressure changed v by
+//   v = v_n + dv,  x* = wrap(x_n + dt (v + a/2)),  v* = v + a/3
+//       dv the wind's change, a what pressure changed v by
 //
 // All that acts from outside changes v_n and v_(n-1) alike, so that a is their difference whatever acted since. What
 // pressure changes v by in this step starts with a/3.

@@ -2,7 +2,8 @@
 //
 //   v += (1 - exp(-dt sum_f w_f |S_f|/uptake_f)) (U + sum_f u_f - v)
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, status::frozen, wind::mean_wind, force_field_velocity::field_velocity_at,
+    params::params, dispatch::{invocation, WORKGROUP}, status::frozen, wind::mean_wind,
+    force_field_velocity::field_velocity_at,
 };
 
 @group(0) @binding(2) var<storage, read>       position:    array<vec4f>;

@@ -18,7 +18,9 @@ fn at(field: Field, time: f32) -> f32 {
 
 fn fastest(field: Field) -> f32 {
     var speed = 0.0;
-    for (var k = field.first_key; k < field.first_key + field.keys; k++) { speed = max(speed, abs(field_keyframes[k].y)); }
+    for (var k = field.first_key; k < field.first_key + field.keys; k++) {
+        speed = max(speed, abs(field_keyframes[k].y));
+    }
     return speed;
 }
 

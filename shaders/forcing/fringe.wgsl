@@ -3,16 +3,20 @@
 // in again conditioned.
 //
 //   dv = U(t + dt) - U(t) + L;  then  v += (1 - exp(-sigma dt)) (U + u' - v)
-//   L = n (n . sum_i sigma_i (U + u' - v_i - dU))/sum_i sigma_i,  n = U/|U|,  dU = U(t + dt) - U(t)       over all air (`miss`)
+//   L = n (n . sum_i sigma_i (U + u' - v_i - dU))/sum_i sigma_i,  n = U/|U|,  dU = U(t + dt) - U(t)
+//       over all air (`miss`)
 //   sigma = sum over faces of cos * 10 max(|U|, 0.3 m/s)/l sin^2(pi x/l)  within the thickness l
-//   u' = |U| sum_m a_m sin(k_m . (x - way) + phi_m), carried along with the wind: frozen turbulence (Taylor 1938), solenoidal
+//   u' = |U| sum_m a_m sin(k_m . (x - way) + phi_m), carried along with the wind:
+//       frozen turbulence (Taylor 1938), solenoidal
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, status::frozen, wind::{mean_wind, wind_before}, inflow::{deposit_source, rate_at},
+    params::params, dispatch::{invocation, WORKGROUP}, status::frozen, wind::{mean_wind, wind_before},
+    inflow::{deposit_source, rate_at},
 };
 
 @group(0) @binding(2) var<storage, read>       position:    array<vec4f>;
 @group(0) @binding(3) var<storage, read>       velocity:    array<vec4f>;
-@group(0) @binding(5) var<storage, read>       fringe_deficit:      array<vec4f>;   // sums over air of `miss` [m/s^2]; w: of sigma [1/s]
+// sums over air of `miss` [m/s^2]; w: of sigma [1/s]
+@group(0) @binding(5) var<storage, read>       fringe_deficit:      array<vec4f>;
 @group(0) @binding(6) var<storage, read_write> wind_change: array<vec4f>;           // m/s, of this step
 
 // L: what the air in the fringe lacks of the wind, along the wind. Given to all air, it holds the flow through the box.

@@ -2,7 +2,8 @@
 //
 //   sum_i sigma_i (U + u' - v_i - (U(t + dt) - U(t))),  and sum_i sigma_i
 import package::common::{
-    dispatch::WORKGROUP, terms::sum_terms, status::finite3, wind::{mean_wind, wind_before}, inflow::{deposit_source, rate_at},
+    dispatch::WORKGROUP, terms::sum_terms, status::finite3, wind::{mean_wind, wind_before},
+    inflow::{deposit_source, rate_at},
 };
 
 @group(0) @binding(2) var<storage, read> position: array<vec4f>;

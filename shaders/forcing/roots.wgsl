@@ -6,9 +6,11 @@
 // Behind `forcing/reset`: where that did not run although a strand is bad, the step freezes, and is taken again with
 // it.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, conjugate, rotate, rotation, rotation_vector},
+    params::params, dispatch::{invocation, WORKGROUP},
+    quaternion::{product, conjugate, rotate, rotation, rotation_vector},
     motion::{moves, pose_after},
-    integration::{EULER, BDF2}, rod::{Strand, RodStrand, Root, Pin, StrandHistory, FREE, TELEPORTED, ASLEEP, ROOT_HELD, TIP_HELD},
+    integration::{EULER, BDF2},
+    rod::{Strand, RodStrand, Root, Pin, StrandHistory, FREE, TELEPORTED, ASLEEP, ROOT_HELD, TIP_HELD},
     status::{status, frozen, freeze, UNRECOVERED_STRAND},
 };
 

@@ -8,7 +8,8 @@ import package::common::{
     params::{params, TWO_WAY}, dispatch::{invocation, WORKGROUP}, cells::{wrap, home_of, box_bucket},
     page::of_page, list::{BATCHES, NOBODY, NONE, IMAGE_BITS, FRAME_BITS, FAR, elements_of, heads},
     lanes::{
-        Near, LANES, lane_of, publish, from_lane, keep, kept, first_of_eight, lane_barrier, joined, votes, turned, bits_of_all, largest_of_all,
+        Near, LANES, lane_of, publish, from_lane, keep, kept, first_of_eight, lane_barrier, joined, votes, turned,
+        bits_of_all, largest_of_all,
         largest_in_workgroup,
     },
     status::{status, freeze, NEIGHBOUR_OVERFLOW},
@@ -17,7 +18,8 @@ import package::common::{
 @group(0) @binding(2) var<storage, read>       cell_start:      array<u32>;
 @group(0) @binding(3) var<storage, read>       sorted:          array<u32>;
 @group(0) @binding(4) var<storage, read>       sorted_position: array<vec4f>;
-@group(0) @binding(5) var<storage, read>       members:         array<vec2u>;   // of each cluster: its first entry, and their end
+// of each cluster: its first entry, and their end
+@group(0) @binding(5) var<storage, read>       members:         array<vec2u>;
 @group(0) @binding(6) var<storage, read_write> neighbour_list:  array<vec4u>;
 @group(0) @binding(7) var<storage, read_write> page_ends:       array<atomic<u32>>;
 
@@ -26,20 +28,24 @@ const ROWS: u32 = 9u;                      // of cells around a cluster
 const TURNS: u32 = 3u;                     // boxes that a row may reach into: the one before, its own, the one behind
 const OWN: u32 = 0u;                       // kinds: the cluster's own, the other one
 const OTHER: u32 = 1u;
-const LAST: u32 = 6u;                      // number from which on the last row is kept: 2 kinds of 3 stretches are kept of each row
-const HELD: u32 = 168u;                    // entries of a cluster that are kept while searching; with more it is searched again
+// number from which on the last row is kept: 2 kinds of 3 stretches are kept of each row
+const LAST: u32 = 6u;
+// entries of a cluster that are kept while searching; with more it is searched again
+const HELD: u32 = 168u;
 
 // Content of an entry: whose neighbour it is, bit by bit; its place in its stretch; which stretch that is. 0 is
 // nobody.
 const PLACE_BITS: u32 = 8u;
 const STRETCH_BITS: u32 = 27u;
-const PLACES: u32 = 524288u;               // a stretch with more freezes the step as a list does that is too long for 32 bits
+// a stretch with more freezes the step as a list does that is too long for 32 bits
+const PLACES: u32 = 524288u;
 
 // A stretch is the entries of a row of cells in one of the boxes that it reaches into: the first, and the end. Its
 // number is that of its box times ROWS, and that of its row. Each of the eight keeps those of the row that has its
 // number, and all of them those of the last row.
 
-const KEEPS: u32 = 176u;                   // words of a cluster: those, and one for each invocation that has nothing to keep
+// words of a cluster: those, and one for each invocation that has nothing to keep
+const KEEPS: u32 = 176u;
 
 var<workgroup> held: array<u32, CLUSTERS * KEEPS>;
 
@@ -103,8 +109,10 @@ fn note(turn: u32, row: u32, first: u32, along: vec3i, bucket: u32, air: bool) {
 fn stretch(kind: u32, which: u32) -> vec2u {
     let turn = turn_of(which);
     let row = which - ROWS * turn;
-    let near = select(kept_in(turn, TURNS * OWN, row % LANES), kept_in(turn, TURNS * OTHER, row % LANES), kind == OTHER);
-    let last = select(kept_in(turn, LAST + TURNS * OWN, lane), kept_in(turn, LAST + TURNS * OTHER, lane), kind == OTHER);
+    let near = select(kept_in(turn, TURNS * OWN, row % LANES), kept_in(turn, TURNS * OTHER, row % LANES),
+        kind == OTHER);
+    let last = select(kept_in(turn, LAST + TURNS * OWN, lane), kept_in(turn, LAST + TURNS * OTHER, lane),
+        kind == OTHER);
     return select(near, last, row == LANES);
 }
 
@@ -137,7 +145,8 @@ fn step_of(row: u32) -> vec2i {
 
 // Which of the cluster's particles are nearer than the kernel radius, bit by bit.
 fn met_by(at: vec3f) -> u32 {
-    return near(0u, at) | near(1u, at) | near(2u, at) | near(3u, at) | near(4u, at) | near(5u, at) | near(6u, at) | near(7u, at);
+    return near(0u, at) | near(1u, at) | near(2u, at) | near(3u, at) | near(4u, at) | near(5u, at) | near(6u, at)
+        | near(7u, at);
 }
 
 fn near(other: u32, at: vec3f) -> u32 {
@@ -234,7 +243,9 @@ fn copy(groups: u32, own_kind: u32, home: vec3i, air: bool, used: bool) {
         meets = select(meets, 0u, begins) | (bits << (8u * filled));
         if there {
             neighbour_list[element][filled] = select(sorted[select(at, 0u, nobody)] | mark, NOBODY, nobody);
-            if (filled == BATCHES - 1u) | (batch + 1u == own_batches) | (batch + 1u == batches) { neighbour_list[element].w = meets; }
+            if (filled == BATCHES - 1u) | (batch + 1u == own_batches) | (batch + 1u == batches) {
+                neighbour_list[element].w = meets;
+            }
         }
         filled++;
     }

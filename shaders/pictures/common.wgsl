@@ -9,7 +9,8 @@ struct Light {
 struct View {
     clip_from_world: mat4x4f,           // matrix from world [m] to clip space
     eye:             vec4f,             // xyz: place of the camera [m]; w: size of a drawn pixel at distance 1 [m/m]
-    right:           vec4f,             // xyz: unit vector to the picture's right; w: distance at which the depth cue starts [m]
+    // xyz: unit vector to the picture's right; w: distance at which the depth cue starts [m]
+    right:           vec4f,
     up:              vec4f,             // xyz: unit vector to the picture's top; w: 1 / range of the depth cue [1/m]
     size:            vec2f,             // width and height of what is drawn [px]
     hairs:           u32,               // number of drawn hairs

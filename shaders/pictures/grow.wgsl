@@ -15,15 +15,19 @@ struct Hair {
 }
 
 @group(0) @binding(1) var<storage, read>       hair:    array<Hair>;
-@group(0) @binding(2) var<storage, read>       offsets: array<u32>;        // first point of each strand in `keyframes` and `frame`, and the end
+// first point of each strand in `keyframes` and `frame`, and the end
+@group(0) @binding(2) var<storage, read>       offsets: array<u32>;
 @group(0) @binding(3) var<storage, read>       keyframes:  array<vec4f>;   // points of strands, then of followers [m]
-@group(0) @binding(4) var<storage, read>       frame:   array<vec4f>;      // orientation of the segment that starts there; at a tip, of the clamp
+// orientation of the segment that starts there; at a tip, of the clamp
+@group(0) @binding(4) var<storage, read>       frame:   array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> points:  array<vec4f>;      // xyz [m]; w: 0 at the root, 1 at the tip
 
 // The numbers below are chosen by eye.
 
-const LOOSE: f32 = 1.0;      // share of the distance between a lock's hairs that is left at its tip, in the loosest lock
-const TIGHT: f32 = 0.5;      // share of the distance between a lock's hairs that is left at its tip, in the tightest lock
+// share of the distance between a lock's hairs that is left at its tip, in the loosest lock
+const LOOSE: f32 = 1.0;
+// share of the distance between a lock's hairs that is left at its tip, in the tightest lock
+const TIGHT: f32 = 0.5;
 const WAVE: f32 = 0.006;     // amplitude of a hair's waves [lengths of the hair]
 const STRAY: f32 = 5.0;      // factor of the amplitude for the hairs that stray
 const STRAYS: f32 = 0.04;    // share of the hairs that stray
@@ -70,7 +74,8 @@ fn orientation(first: u32, last: u32, x: f32) -> vec4f {
 fn along(first: u32, last: u32, t: f32) -> vec3f {
     let x = t * f32(last - first);
     let k = min(i32(x), i32(last - first) - 1);
-    return catmull_rom(at(first, last, k - 1), at(first, last, k), at(first, last, k + 1), at(first, last, k + 2), x - f32(k));
+    return catmull_rom(at(first, last, k - 1), at(first, last, k), at(first, last, k + 1), at(first, last, k + 2),
+        x - f32(k));
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -90,10 +95,12 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let reach = distance(keyframes[first].xyz, keyframes[first + 1u].xyz) * f32(last - first);
 
     let stray = select(1.0, STRAY, chance(self_.seed, 2u) < STRAYS);
-    let turns = 6.2831853 * vec3f(0.7 + chance(self_.seed, 3u), 1.6 + 1.4 * chance(self_.seed, 4u), chance(self_.seed, 5u));
+    let turns = 6.2831853
+        * vec3f(0.7 + chance(self_.seed, 3u), 1.6 + 1.4 * chance(self_.seed, 4u), chance(self_.seed, 5u));
     let phase = 6.2831853 * vec2f(chance(self_.seed, 6u), chance(self_.seed, 7u));
     let wave = self_.styled * WAVE * stray * reach * smoothstep(0.0, 0.6, s)
-        * vec3f(sin(turns.x * s + phase.x) + 0.5 * sin(turns.y * s + phase.y), cos(turns.x * s + turns.z) + 0.5 * sin(turns.y * s + phase.x), 0.0);
+        * vec3f(sin(turns.x * s + phase.x) + 0.5 * sin(turns.y * s + phase.y),
+            cos(turns.x * s + turns.z) + 0.5 * sin(turns.y * s + phase.x), 0.0);
 
     let x = mix(along(first, last, s), along(self_.first, self_.last, s), gather);
     points[i] = vec4f(x + rotate(orientation(first, last, s * f32(last - first)), wave), t);

@@ -1,7 +1,8 @@
 // Optical depth of the hair between a point and a light, from the grid that opacity.wgsl fills.
 import package::pictures::common::{view, GRID, DEPTH_UNIT};
 
-@group(0) @binding(1) var<storage, read> grid: array<u32>;   // optical depth, lights x GRID^3, as opacity.wgsl leaves it
+// optical depth, lights x GRID^3, as opacity.wgsl leaves it
+@group(0) @binding(1) var<storage, read> grid: array<u32>;
 
 fn cell_depth(light: u32, at: vec3u) -> f32 {
     return f32(grid[((light * GRID + at.z) * GRID + at.y) * GRID + at.x]) / DEPTH_UNIT;

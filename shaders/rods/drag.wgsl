@@ -2,13 +2,14 @@
 // the air relative to it, u_n across it, t along it, A = 2 r l n:
 //
 //   k_n = 1/2 rho A (|u_n| + 10 (2r/nu)^(-2/3) |u_n|^(1/3))   C_d = 1 + 10 Re^(-2/3) (White, Viscous Fluid Flow)
-//   k_t = 1/2 rho A 5.4 sqrt(nu |u_n|/(2r))                   laminar skin friction of an oblique cylinder (Taylor 1952)
+//   k_t = 1/2 rho A 5.4 sqrt(nu |u_n|/(2r))
+//       laminar skin friction of an oblique cylinder (Taylor 1952)
 //   D = k_n (1 - t t^T) + k_t t t^T,  F = 1/2 rho A C_l |u_n| (t x u)
 //
 // A point takes half of each segment at it; D_n is the larger eigenvalue of D:
 //
-//   force = D (u - v) + D_n v + F,  resistance = D_n           both times min(1, 1/(dt G D_n)), where air and hair near the
-//                                                             point would have one velocity after the step
+//   force = D (u - v) + D_n v + F,  resistance = D_n
+//       both times min(1, 1/(dt G D_n)), where air and hair near the point would have one velocity after the step
 //
 // BDF2 takes them at extrapolated places x + dt (3/2 v_n - 1/2 v_(n-1)), and with 2 v_n - v_(n-1); Euler at x and v_n.
 // The drag that BDF2 extrapolates grows into a flutter from dt w D_n = 0.39 on: such a strand takes Euler.
@@ -34,7 +35,8 @@ const FORM: f32 = 10.0;       // of C_d
 const FRICTION: f32 = 5.4;
 const SLOWEST: f32 = 1e-12;      // m/s: powers of 0 are not portable
 const WAKE: f32 = 1.3;           // kernel radii: b, fitted to fixed strands of 10 to 1000 fibres
-const OWN_WAKE: f32 = 1.1;       // most that a fibre is taken to have slowed the air at it: below 1 cm/s there is no wake
+// most that a fibre is taken to have slowed the air at it: below 1 cm/s there is no wake
+const OWN_WAKE: f32 = 1.1;
 const STORMY: f32 = 1.0 / 3.0;   // dt w D_n
 const LENGTHS: f32 = 8.0;        // of the strand, that the air passes by in a step: beyond, its drag has no direction
 
@@ -125,7 +127,8 @@ fn drag(strand: Strand, own: Stretch, scheme: u32, write: bool) -> f32 {
             if write {
                 limited += u32(part > 1.0);
                 let wind = air.wind - here.velocity;
-                let force = drag_on(before, wind) + drag_on(after, wind) + largest * here.velocity + before.force + after.force;
+                let force = drag_on(before, wind) + drag_on(after, wind) + largest * here.velocity + before.force
+                    + after.force;
                 rod_points[p].force += left * force;
                 rod_points[p].resistance += left * largest;
             }

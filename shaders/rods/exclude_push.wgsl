@@ -3,7 +3,8 @@
 //
 //   J -= dt m a
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, integration::KINEMATIC, matter::inverse_mass, rod::RodPoint, status::frozen,
+    params::params, dispatch::{invocation, WORKGROUP}, integration::KINEMATIC, matter::inverse_mass, rod::RodPoint,
+    status::frozen,
 };
 
 @group(0) @binding(3) var<storage, read>       pushed:       array<vec4f>;   // m/s^2, hair points first

@@ -1,6 +1,7 @@
 // Cosserat rods by Gauss-Seidel with compliance (Kugelstadt & Schoemer 2016; Macklin et al. 2016 for the compliance).
 //
-//   joint k:    C = Im(conj(q_(k-1)) q_k) - s Im(rest),  dC = A (theta_k - theta_(k-1)),  A = 1/2 (p_w - [p_v]x) R_(k-1)^T
+//   joint k:    C = Im(conj(q_(k-1)) q_k) - s Im(rest),  dC = A (theta_k - theta_(k-1)),
+//       A = 1/2 (p_w - [p_v]x) R_(k-1)^T
 //   segment k:  C = (x_(k+1) - x_k)/l - d3(q_k),         dC = (dx_(k+1) - dx_k)/l + [d3]x theta_k
 //   (J W J^T + a) dlambda = -C - a lambda,  a = alpha (1 + c dt)/dt^2,  in the material frame
 //

@@ -4,17 +4,20 @@
 // pushes sleeps. The others are integrated: points and frames get their free moves, and the solver starts where the
 // spins turn the frames. There
 //
-//   x_(k+1) = x_k + (rotation(turn_k) - 1) l d3_k + rotation(turn_k) u_k - u_k      u = chord - l d3, in moves since the step's start
+//   x_(k+1) = x_k + (rotation(turn_k) - 1) l d3_k + rotation(turn_k) u_k - u_k
+//       u = chord - l d3, in moves since the step's start
 //
 // so that the strand is whole. A segment that is strained by more than WHOLE as the step begins has been pushed by a
 // body, or written by somebody: its frame turns onto its chord, what is left of the strain is cut, and the points
 // beyond shift along, without a velocity.
 import package::common::{
-    params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, quaternion::{product, rotate, rotation, tangent, turned_by},
+    params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP},
+    quaternion::{product, rotate, rotation, tangent, turned_by},
     integration::{KINEMATIC, HOLD, EULER, free_move, response}, rest::RESTING_STEPS, load::damping_of,
     rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, SegmentHistory, FREE, SOLVED, TELEPORTED, ASLEEP, SLEEPS, NO_PIN, TIP_HELD, WHOLE, TURN,
         clamped},
-    validity::{FAR, FAST, within}, status::{status, frozen, freeze, count, EULER_STEP, SLEEPING_STEP, TELEPORT, UNRECOVERED_STRAND},
+    validity::{FAR, FAST, within},
+    status::{status, frozen, freeze, count, EULER_STEP, SLEEPING_STEP, TELEPORT, UNRECOVERED_STRAND},
 };
 
 @group(0) @binding(2) var<storage, read>       strands:         array<Strand>;
@@ -25,7 +28,8 @@ import package::common::{
 @group(0) @binding(7) var<storage, read_write> rod_points:      array<RodPoint>;
 @group(0) @binding(8) var<storage, read_write> rod_segments:    array<RodSegment>;
 
-const AT_TIP: f32 = 0.25;      // force on the tip that bends a strand as far as a force on all of it: 3/8 of a beam, 1/ln n of a chain
+// force on the tip that bends a strand as far as a force on all of it: 3/8 of a beam, 1/ln n of a chain
+const AT_TIP: f32 = 0.25;
 const SHORTEST: f32 = 1e-3;    // lengths of the segment: a shorter chord has no direction
 const OPPOSITE: f32 = 1e-4;    // 1 + cosine of two directions that no smallest rotation joins
 
@@ -139,7 +143,8 @@ fn onto(chord: vec3f, frame: vec4f) -> vec4f {
     let goal = normalize(chord);
     let cosine = 1.0 + dot(along, goal);
     let half_turn = vec4f(rotate(frame, vec3f(1.0, 0.0, 0.0)), 0.0);
-    return normalize(product(select(half_turn, normalize(vec4f(cross(along, goal), cosine)), cosine > OPPOSITE), frame));
+    return normalize(product(select(half_turn, normalize(vec4f(cross(along, goal), cosine)), cosine > OPPOSITE),
+        frame));
 }
 
 fn set_off(strand: Strand, rod: RodStrand) {
@@ -155,7 +160,8 @@ fn set_off(strand: Strand, rod: RodStrand) {
         let held = here.inverse_mass == 0.0;
         let damping = damping_of(here);
         let acceleration = here.weight * params.gravity + here.inverse_mass * here.force;
-        let moves = free_move(keeps * here.velocity, keeps * here.before, keeps * here.previous_move, acceleration, damping, scheme);
+        let moves = free_move(keeps * here.velocity, keeps * here.before, keeps * here.previous_move, acceleration,
+            damping, scheme);
         let free = select(moves, select(rod.tip_displacement - shift, rod.root_displacement, k == 0u), held);
         rod_points[p].free = free;
         rod_points[p].pin = select(here.pin - shift, free, held);
@@ -182,7 +188,8 @@ fn set_off(strand: Strand, rod: RodStrand) {
         }
         let turn = rotation(clamped(params.step * keeps * history.angular_velocity, TURN));
         let free_turn = rotation(
-            free_move(keeps * history.angular_velocity, keeps * history.before, keeps * history.turn, vec3f(0.0), params.damping, scheme),
+            free_move(keeps * history.angular_velocity, keeps * history.before, keeps * history.turn, vec3f(0.0),
+                params.damping, scheme),
         );
         let frame = normalize(product(select(free_turn, turn, direct), start));
         displacement += turned_by(turn, l * tangent(start) + strain);

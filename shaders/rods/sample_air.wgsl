@@ -1,9 +1,11 @@
 // The air at every hair point, after its pressure.
 //
-//   theta_i = sum_j V_j W(y_i - x_j),  u_i = U + sum_j w_ij (v_j - U)  over air; where air thins out the mean wind takes over
+//   theta_i = sum_j V_j W(y_i - x_j),
+//       u_i = U + sum_j w_ij (v_j - U)  over air; where air thins out the mean wind takes over
 //   G_i = (W(0) + sum_k W(y_i - y_k))/rho_0                            over hair
 import package::common::{
-    params::params, dispatch::WORKGROUP, cells::is_air, wind::mean_wind, lanes::Near, sph_kernels::poly6_factor, pairs::Pair,
+    params::params, dispatch::WORKGROUP, cells::is_air, wind::mean_wind, lanes::Near, sph_kernels::poly6_factor,
+    pairs::Pair,
     clusters::{take_particle, has_no_hair, of_shared, added_up, meet_both_kinds}, air::{Sampled, THIN},
 };
 

@@ -5,7 +5,8 @@
 //   two-way   u += (1 - min(theta, 1/2)/(1/2)) sum_f u_f(y)
 //   others    u = U + sum_f u_f(x + dt v)
 import package::common::{
-    params::{params, TWO_WAY}, dispatch::{invocation, WORKGROUP}, status::frozen, wind::mean_wind, air::{Sampled, THIN}, force_field_velocity::field_velocity_at,
+    params::{params, TWO_WAY}, dispatch::{invocation, WORKGROUP}, status::frozen, wind::mean_wind, air::{Sampled, THIN},
+    force_field_velocity::field_velocity_at,
 };
 
 @group(0) @binding(2) var<storage, read>       position: array<vec4f>;

@@ -1,6 +1,7 @@
 // Newton steps on the incremental potential of each strand, each solved exactly in linear time.
 //
-//   Phi = sum_i |x_i - free_i|^2/(2 W_i) + sum_k 4 J_k (1 - |p_w|) + sum_k 1/2 eps^T alpha_s^-1 eps + sum_joints 1/2 C^T alpha_b^-1 C
+//   Phi = sum_i |x_i - free_i|^2/(2 W_i) + sum_k 4 J_k (1 - |p_w|) + sum_k 1/2 eps^T alpha_s^-1 eps
+//       + sum_joints 1/2 C^T alpha_b^-1 C
 //         + sum_contacts 1/2 k (phi + D)^2
 //   p = turn conj(free turn),  eps = R^T u/l,  C = Im(conj(q_(k-1)) q_k) - s Im(rest),  J = 1/W of a frame
 //
@@ -24,7 +25,10 @@ import package::common::{
     articulated::{Answer, Beyond, ONE, Spring, crossing, joint, spring, swapped, through}, body::BODIES,
     contact::{RECOVERY, UNEASY},
     touch::{Touch, rod_points, segments, foresee, foresee_segment, leave, push_point, push_segment, touch},
-    rod::{Strand, RodStrand, RodPoint, RodSegment, FREE, SOLVED, ROOT_JOINT, TIP_JOINT, ROOT_HELD, TIP_HELD, WHOLE, TURN, clamped},
+    rod::{
+        Strand, RodStrand, RodPoint, RodSegment, FREE, SOLVED, ROOT_JOINT, TIP_JOINT, ROOT_HELD, TIP_HELD, WHOLE, TURN,
+        clamped,
+    },
 };
 
 @group(0) @binding(2) var<storage, read_write> factors:      array<Factor>;
@@ -88,7 +92,8 @@ fn eliminate(strand: Strand, rod: RodStrand, change: vec3f) -> Eliminated {
             beyond.held = ONE;
             beyond.force += rod.pin_force + change;
         }
-        let stretched = through(beyond, spring((1.0 / l) * axes, segment.stretch_compliance, (now.strain * axes) / l), holds);
+        let stretched = through(beyond, spring((1.0 / l) * axes, segment.stretch_compliance, (now.strain * axes) / l),
+            holds);
         beyond = stretched.beyond;
 
         // To the segment's first point.
@@ -130,7 +135,8 @@ fn eliminate(strand: Strand, rod: RodStrand, change: vec3f) -> Eliminated {
     }
     if !holds { return Eliminated(root_move, vec3f(0.0)); }
     let pinned = rod_points[strand.first_point + rod.pin];
-    return Eliminated(root_move, change + applied(inverse_of(beyond.give), pinned.displacement - pinned.pin - beyond.given));
+    return Eliminated(root_move,
+        change + applied(inverse_of(beyond.give), pinned.displacement - pinned.pin - beyond.given));
 }
 
 // How a joint turns less, and a segment gives, in the Newton step, by the turn before and the move of the segment's
@@ -202,14 +208,17 @@ fn substitute(strand: Strand, rod: RodStrand, root_move: vec3f, part: f32) -> f3
 fn crawl(strand: Strand, rod: RodStrand) {
     let root = rod_points[strand.first_point].displacement;
     var far = 0.0;
-    for (var k = 0u; k < strand.points; k++) { far = max(far, distance(rod_points[strand.first_point + k].displacement, root)); }
+    for (var k = 0u; k < strand.points; k++) {
+        far = max(far, distance(rod_points[strand.first_point + k].displacement, root));
+    }
     let part = min(1.0, RECOVERY * params.step / far);
     var displacement = root;
     for (var k = 0u; k < strand.points - 1u; k++) {
         let p = strand.first_point + k;
         let j = strand.first_segment + k;
         let now = rod_segments[j];
-        let chord = (rod_points[p + 1u].start.xyz - rod_points[p].start.xyz) + (rod_points[p + 1u].remainder - rod_points[p].remainder);
+        let chord = (rod_points[p + 1u].start.xyz - rod_points[p].start.xyz)
+            + (rod_points[p + 1u].remainder - rod_points[p].remainder);
         let turn = rotation(part * rotation_vector(now.turn));
         let frame = normalize(product(turn, now.start));
         let strain = rotate(turn, rotate(conjugate(now.turn), now.strain));
@@ -231,14 +240,16 @@ fn finish(strand: Strand, rod: RodStrand, touches: bool) {
     if (strand.joints & (ROOT_HELD | TIP_HELD)) == 0u && !touches && rod.pin >= strand.points {
         var momentum = vec4f(0.0);
         for (var p = strand.first_point; p <= last; p++) {
-            momentum += vec4f(rod_points[p].free - rod_points[p].displacement, 1.0) / rod_points[p].effective_inverse_mass;
+            momentum += vec4f(rod_points[p].free - rod_points[p].displacement, 1.0)
+                / rod_points[p].effective_inverse_mass;
         }
         shift = momentum.xyz / momentum.w;
     }
     for (var k = 0u; k < strand.points; k++) {
         let point = rod_points[strand.first_point + k];
         if (point.pinned != 0u) & (rod.state == SOLVED) {
-            rod_points[strand.first_point + k].pin_force += PIN / point.effective_inverse_mass * (point.displacement - point.pin);
+            rod_points[strand.first_point + k].pin_force += PIN / point.effective_inverse_mass
+                * (point.displacement - point.pin);
         }
         rod_points[strand.first_point + k].displacement += shift + f32(k) / f32(strand.points - 1u) * spread;
     }

@@ -6,7 +6,10 @@
 import package::common::{
     params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, integration::{KINEMATIC, rate}, place::placed,
     rest::{RESTING_STEPS, STILL_TURN}, validity::FAR,
-    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, FREE, SLEEPS, STRAINED_STEPS, strained_steps, ROOT_HELD, FAILED},
+    rod::{
+        Strand, Segment, RodStrand, RodPoint, RodSegment, FREE, SLEEPS, STRAINED_STEPS, strained_steps, ROOT_HELD,
+        FAILED,
+    },
     share::{Stretch, item_of, lane_of_item, stretch_of, largest_shared, least_shared, any_shared},
     status::{status, frozen, freeze, count, count_bad_strand, finite, finite3, finite4, OVER_STRAINED, UNSOLVED_STEP, UNRECOVERED_STRAND,
         BY_UPDATE, NO_POINT},
@@ -27,7 +30,8 @@ fn resting(strand: Strand, own: Stretch) -> bool {
     if (strand.joints & ROOT_HELD) == 0u { return false; }
     for (var k = own.begin; k < own.end; k++) {
         let point = rod_points[strand.first_point + k];
-        let pushed = params.model == PARTICLES && length(point.impulse_change) > strand.still_acceleration * params.step;
+        let pushed = params.model == PARTICLES
+            && length(point.impulse_change) > strand.still_acceleration * params.step;
         if pushed || !(length(point.rest_drift) <= strand.still_way) { return false; }
         if k + 1u == strand.points { continue; }
         if !(length(rod_segments[strand.first_segment + k].rest_drift) <= STILL_TURN) { return false; }
@@ -49,7 +53,8 @@ fn measure(strand: Strand, own: Stretch) -> Measured {
         var whole = finite3(here.displacement);
         if k > own.before {
             let j = strand.first_segment + k - 1u;
-            let chord = (here.start.xyz - before.start.xyz) + (here.remainder - before.remainder) + (here.displacement - before.displacement);
+            let chord = (here.start.xyz - before.start.xyz) + (here.remainder - before.remainder)
+                + (here.displacement - before.displacement);
             whole = whole & finite4(rod_segments[j].frame);
             measured.stretch = max(measured.stretch, abs(length(chord) / segments[j].rest_length - 1.0));
         }
@@ -125,7 +130,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     } else {
         condition.strained = strained_steps(condition.strained, measured.stretch);
         if params.sleep != 0u && condition.resting != SLEEPS {
-            condition.resting = select(0u, min(condition.resting, SLEEPS - 2u) + 1u, !any_shared(!resting(strand, own)));
+            condition.resting = select(0u, min(condition.resting, SLEEPS - 2u) + 1u,
+                !any_shared(!resting(strand, own)));
             rest(strand, own, condition.resting);
         }
         if is_leader {

@@ -4,7 +4,8 @@ import package::common::{
 };
 
 @group(0) @binding(2) var<storage, read_write> cell_count: array<u32>;
-@group(0) @binding(3) var<storage, read_write> members:    array<vec2u>;   // of each cluster: its first entry, and their end
+// of each cluster: its first entry, and their end
+@group(0) @binding(3) var<storage, read_write> members:    array<vec2u>;
 @group(0) @binding(4) var<storage, read_write> page_ends:  array<atomic<u32>>;
 
 const CELLS: u32 = 8u;   // that an invocation empties

@@ -5,7 +5,8 @@ import package::common::{cells::rows, row::Row};
 
 const LANES: u32 = 256u;   // invocations of the one workgroup: the most that WebGPU's default allows
 
-@group(0) @binding(2) var<storage, read_write> cell_rows: array<Row>;   // one more than there are: the last has all before it
+// one more than there are: the last has all before it
+@group(0) @binding(2) var<storage, read_write> cell_rows: array<Row>;
 
 var<workgroup> sums: array<vec2u, LANES>;
 

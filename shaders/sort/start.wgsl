@@ -7,8 +7,10 @@ import package::common::{
 
 @group(0) @binding(2) var<storage, read>       cell_rows:  array<Row>;
 @group(0) @binding(3) var<storage, read>       cell_count: array<u32>;
-@group(0) @binding(4) var<storage, read_write> cell_start: array<u32>;     // first entry of each cell, and the end of the last
-@group(0) @binding(5) var<storage, read_write> members:    array<vec2u>;   // of each cluster: its first entry, and their end
+// first entry of each cell, and the end of the last
+@group(0) @binding(4) var<storage, read_write> cell_start: array<u32>;
+// of each cluster: its first entry, and their end
+@group(0) @binding(5) var<storage, read_write> members:    array<vec2u>;
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {

@@ -9,7 +9,8 @@ import package::common::{
     params::params, cells::{cell_of, turns_of, box_bucket}, status::frozen, band::Band,
 };
 
-const LANES: u32 = 8u;     // invocations of a workgroup: with SUMS each it takes the 56 air particles of an average block
+// invocations of a workgroup: with SUMS each it takes the 56 air particles of an average block
+const LANES: u32 = 8u;
 const SUMS: u32 = 8u;      // sums that a lane makes, one per particle, held as two groups of four
 const SHARES: u32 = 4u;    // workgroups of a block: 256 particles at once, more than it holds unless they clump
 
@@ -19,7 +20,8 @@ const SHARES: u32 = 4u;    // workgroups of a block: 256 particles at once, more
 @group(0) @binding(5) var<storage, read>       sorted_position: array<vec4f>;
 @group(0) @binding(6) var<storage, read>       flow_position:   array<vec4f>;
 @group(0) @binding(7) var<storage, read>       flow:            array<vec4f>;
-@group(0) @binding(8) var<storage, read_write> band_velocity:   array<vec4f>;   // velocity of the band [m/s]; as published [mm/s]
+// velocity of the band [m/s]; as published [mm/s]
+@group(0) @binding(8) var<storage, read_write> band_velocity:   array<vec4f>;
 
 // Four vectors, component by component.
 struct Four { x: vec4f, y: vec4f, z: vec4f }
@@ -110,7 +112,8 @@ fn main(
     let block = band.first_block + workgroup / SHARES;
     if (block >= band.end_block) | frozen() { return; }
     let line = i32(block / band.blocks_in_row);
-    let home = vec3i(i32(block % band.blocks_in_row) * band.cells_in_block, line % params.cells.y, line / params.cells.y);
+    let home = vec3i(i32(block % band.blocks_in_row) * band.cells_in_block, line % params.cells.y,
+        line / params.cells.y);
     let width = min(band.cells_in_block, params.cells.x - home.x);
     let first = cell_start[box_bucket(home)];
     let end = cell_start[box_bucket(home) + u32(max(width, 0))];

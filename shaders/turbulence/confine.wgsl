@@ -1,7 +1,8 @@
 // Vorticity confinement of one band (Fedkiw et al. 2001), on air only, and weaker in the fringe (`left_by_fringe`).
 //
 //   eta_i = sum_j V_j (|omega_j| - |omega_i|) grad_i W,  N = eta/(|eta| + 1e-3 |omega_i|/h)
-//   a_i = S |u_i| max(0, 1 - |u_i|^2/u_max^2) (N x omega_i),  u_max = min(I U, h/dt) (`Band.largest_speed`): steps resolve no faster eddies
+//   a_i = S |u_i| max(0, 1 - |u_i|^2/u_max^2) (N x omega_i),
+//       u_max = min(I U, h/dt) (`Band.largest_speed`): steps resolve no faster eddies
 //   as printed (eqs. 2, 4): a_i = epsilon 1/2 m |u_i|^2 (N x omega_i) in mg, mm, s; omega of v, hair in the sum
 //
 // The printed law adds dt a. A band adds, along N x omega, what |u| would gain if N x omega lay along u and stayed so:
@@ -9,18 +10,21 @@
 // |u|' = S |N x omega| |u| (1 - |u|^2/u_max^2) in closed form, at most |u|/2. So no step takes a particle past u_max.
 import package::common::{
     params::params, dispatch::WORKGROUP, cells::is_air, status::{count_step, CONFINEMENT_LIMITED}, lanes::Near,
-    pairs::{Pair, gradient_to}, clusters::{take_particle, has_none, of_air, meet_own_kind}, wind::left_by_fringe, band::Band,
+    pairs::{Pair, gradient_to}, clusters::{take_particle, has_none, of_air, meet_own_kind}, wind::left_by_fringe,
+    band::Band,
 };
 
 const SOFTENING: f32 = 1e-3;   // part of |omega|/h added to |eta|, so that N vanishes where vorticity is uniform
-const LARGEST: f32 = 0.5;      // most that a band may grow by in a step: N x omega also feeds eddies too small for the band
+// most that a band may grow by in a step: N x omega also feeds eddies too small for the band
+const LARGEST: f32 = 0.5;
 const SLOWEST: f32 = 1e-30;    // m/s, of I U: without it air at rest in a band without intensity is not a number
 
 @group(0) @binding(2) var<uniform>             band:          Band;
 @group(0) @binding(3) var<storage, read>       predicted:     array<vec4f>;   // xyz [m], w: volume [m^3]
 @group(0) @binding(4) var<storage, read>       band_velocity: array<vec4f>;
 @group(0) @binding(5) var<storage, read>       vorticity:     array<vec4f>;   // xyz [1/s]; w: its length [1/s]
-@group(0) @binding(6) var<storage, read_write> confinement:   array<vec4f>;   // change of velocity by all bands so far [m/s]
+// change of velocity by all bands so far [m/s]
+@group(0) @binding(6) var<storage, read_write> confinement:   array<vec4f>;
 
 var<private> length_of_omega: f32;
 var<private> eta: vec3f;

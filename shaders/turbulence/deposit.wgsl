@@ -1,12 +1,14 @@
 // Carries what the filter sums to the nodes of its grid, D, and the volume with it. Particles are sorted into the cells
 // between the nodes.
 import package::common::{
-    dispatch::{invocation, WORKGROUP}, status::frozen, mesh::node_index, deposit::{mesh, block_of, deposit, Part, BLOCK},
+    dispatch::{invocation, WORKGROUP}, status::frozen, mesh::node_index,
+    deposit::{mesh, block_of, deposit, Part, BLOCK},
     share::{SHARE, item_of, lane_of_item}, smoothing::next4,
 };
 
 @group(0) @binding(4) var<storage, read>       sorted_position: array<vec4f>;
-@group(0) @binding(5) var<storage, read>       flow:            array<vec4f>;   // xyz: V (v - U) [m^4/s]; w: V [m^3], from `weigh`
+// xyz: V (v - U) [m^4/s]; w: V [m^3], from `weigh`
+@group(0) @binding(5) var<storage, read>       flow:            array<vec4f>;
 @group(0) @binding(6) var<storage, read_write> deposited:       array<vec4f>;   // D: xyz [m^4/s]; w [m^3]
 
 // Sums for the row of four nodes along x at one of two y and two z: a column per component, a row per node.

@@ -9,7 +9,8 @@ import package::common::{
 @group(0) @binding(2) var<uniform>             mesh:          Mesh;
 @group(0) @binding(3) var<storage, read>       sorted:        array<u32>;
 @group(0) @binding(4) var<storage, read>       sorted_position: array<vec4f>;
-@group(0) @binding(5) var<storage, read>       curvature:     array<vec4f>;   // C: xyz [m^2/s]; w: smoothed volume S [m^3]
+// C: xyz [m^2/s]; w: smoothed volume S [m^3]
+@group(0) @binding(5) var<storage, read>       curvature:     array<vec4f>;
 @group(0) @binding(6) var<storage, read_write> band_velocity: array<vec4f>;   // velocity of the band [m/s]
 
 // Four nodes in a row along an axis of so many, which repeats.

@@ -5,11 +5,13 @@
 // g and g'' are taps of the periodic Gaussian and of its second derivative, with the blur of deposit and gather along
 // the axis taken out. After y and z, C is the Laplacian of the smoothed deposit.
 import package::common::{
-    dispatch::{invocation, WORKGROUP}, status::frozen, mesh::Mesh, smoothing::{ROW, end_of_taps, moved, spread, spread3, next4, next3},
+    dispatch::{invocation, WORKGROUP}, status::frozen, mesh::Mesh,
+    smoothing::{ROW, end_of_taps, moved, spread, spread3, next4, next3},
 };
 
 @group(0) @binding(2) var<uniform>             mesh:      Mesh;
-@group(0) @binding(3) var<storage, read>       taps:      array<vec4f>;   // two at a time: taps of g (x, z) and of g'' [1/m^2] (y, w)
+// two at a time: taps of g (x, z) and of g'' [1/m^2] (y, w)
+@group(0) @binding(3) var<storage, read>       taps:      array<vec4f>;
 @group(0) @binding(4) var<storage, read>       deposited: array<vec4f>;   // D: xyz [m^4/s]; w [m^3]
 @group(0) @binding(5) var<storage, read_write> smooth_x:  array<vec4f>;   // G: xyz [m^4/s]; w [m^3]
 @group(0) @binding(6) var<storage, read_write> curvature: array<vec4f>;   // C: xyz [m^2/s]

@@ -2,7 +2,8 @@
 //
 //   G <- g * G,  C <- g * C + g'' * G       taps as in `smooth_x`
 import package::common::{
-    dispatch::{invocation, WORKGROUP}, status::frozen, mesh::Mesh, smoothing::{ROW, end_of_taps, moved, spread, spread3, next4, next3},
+    dispatch::{invocation, WORKGROUP}, status::frozen, mesh::Mesh,
+    smoothing::{ROW, end_of_taps, moved, spread, spread3, next4, next3},
 };
 
 @group(0) @binding(2) var<uniform>             mesh:               Mesh;

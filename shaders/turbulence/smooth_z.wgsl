@@ -9,7 +9,8 @@ import package::common::{
 @group(0) @binding(3) var<storage, read>       taps:               array<vec4f>;
 @group(0) @binding(4) var<storage, read>       smooth_xy:           array<vec4f>;
 @group(0) @binding(5) var<storage, read>       curvature_xy: array<vec4f>;
-@group(0) @binding(6) var<storage, read_write> curvature:          array<vec4f>;   // C: xyz [m^2/s]; w: smoothed volume S [m^3]
+// C: xyz [m^2/s]; w: smoothed volume S [m^3]
+@group(0) @binding(6) var<storage, read_write> curvature:          array<vec4f>;
 
 var<private> gauss: vec4f;
 var<private> curve: vec4f;

@@ -5,7 +5,8 @@ import package::common::{
 
 @group(0) @binding(2) var<storage, read>       sorted:       array<u32>;
 @group(0) @binding(3) var<storage, read>       new_velocity: array<vec4f>;
-@group(0) @binding(4) var<storage, read_write> flow:         array<vec4f>;   // xyz [m^4/s], w: V [m^3]; published: xyz [m/s]
+// xyz [m^4/s], w: V [m^3]; published: xyz [m/s]
+@group(0) @binding(4) var<storage, read_write> flow:         array<vec4f>;
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {

@@ -18,7 +18,8 @@ var<private> sum: f32;
 // In place of the volume its root.
 fn load_neighbour(j: u32) -> Near {
     let other = predicted[j];
-    return Near(j, other.xyz, sqrt(other.w), vec4f(density[j], viscosity_of(j, exchange[j].deformation), 0.0, 0.0), vec4f());
+    return Near(j, other.xyz, sqrt(other.w), vec4f(density[j], viscosity_of(j, exchange[j].deformation), 0.0, 0.0),
+        vec4f());
 }
 
 fn accumulate(other: Pair) {
