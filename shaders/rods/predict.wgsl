@@ -14,8 +14,10 @@ import package::common::{
     params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP},
     quaternion::{product, rotate, rotation, tangent, turned_by},
     integration::{KINEMATIC, HOLD, EULER, free_move, response}, rest::RESTING_STEPS, load::damping_of,
-    rod::{Strand, Segment, RodStrand, RodPoint, RodSegment, SegmentHistory, FREE, SOLVED, TELEPORTED, ASLEEP, SLEEPS, NO_PIN, TIP_HELD, WHOLE, TURN,
-        clamped},
+    rod::{
+        Strand, Segment, RodStrand, RodPoint, RodSegment, SegmentHistory, FREE, SOLVED, TELEPORTED, ASLEEP, SLEEPS,
+        NO_PIN, TIP_HELD, WHOLE, TURN, clamped,
+    },
     validity::{FAR, FAST, within},
     status::{status, frozen, freeze, count, EULER_STEP, SLEEPING_STEP, TELEPORT, UNRECOVERED_STRAND},
 };

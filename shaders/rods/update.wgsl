@@ -11,8 +11,10 @@ import package::common::{
         FAILED,
     },
     share::{Stretch, item_of, lane_of_item, stretch_of, largest_shared, least_shared, any_shared},
-    status::{status, frozen, freeze, count, count_bad_strand, finite, finite3, finite4, OVER_STRAINED, UNSOLVED_STEP, UNRECOVERED_STRAND,
-        BY_UPDATE, NO_POINT},
+    status::{
+        status, frozen, freeze, count, count_bad_strand, finite, finite3, finite4, OVER_STRAINED, UNSOLVED_STEP,
+        UNRECOVERED_STRAND, BY_UPDATE, NO_POINT,
+    },
 };
 
 @group(0) @binding(2) var<storage, read>       strands:      array<Strand>;
