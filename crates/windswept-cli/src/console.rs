@@ -35,7 +35,8 @@ impl<'a> Console<'a> {
     /// Hands out what is left in memory.
     ///
     /// # Errors
-    /// [`Failure::Run`] if the result could not be written. A reader that has gone away (`| head`) has seen what it wanted.
+    /// [`Failure::Run`] if the result could not be written. A reader that has gone away (`| head`) has seen what it
+    /// wanted.
     pub(crate) fn end(&mut self) -> Result<(), Failure> {
         let failed = self.failed.take().map_or_else(|| self.out.flush(), Err);
         match failed {

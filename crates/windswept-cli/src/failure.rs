@@ -7,7 +7,8 @@ use windswept::{GpuError, RunError};
 use windswept_export::ExportError;
 use windswept_scene::{SceneError, spelled};
 
-use crate::interrupt;
+/// Exit status of a run that was interrupted: 128 + SIGINT, as shells have it.
+pub(crate) const INTERRUPTED: u8 = 130;
 
 #[derive(Debug)]
 pub(crate) enum Failure {
@@ -27,7 +28,7 @@ impl Failure {
         match self {
             Self::Run(_) => 1,
             Self::Scene(_) | Self::Input(_) => 2,
-            Self::Interrupted(_) => interrupt::STATUS,
+            Self::Interrupted(_) => INTERRUPTED,
         }
     }
 
@@ -99,10 +100,12 @@ impl From<OpsError> for Failure {
 impl From<ExportError> for Failure {
     fn from(error: ExportError) -> Self {
         match error {
-            // The camera or the number of hairs, the folder, the film to measure: found before anything is written.
-            ExportError::Picture { .. } | ExportError::Folder { .. } | ExportError::Film { .. } => {
-                Self::Input(error.to_string())
-            }
+            // The camera or the number of hairs, the folder, the film to measure, the Python that is missing: found
+            // before anything is written.
+            ExportError::Picture { .. }
+            | ExportError::Folder { .. }
+            | ExportError::Film { .. }
+            | ExportError::Python { .. } => Self::Input(error.to_string()),
             ExportError::Gpu(error) => error.into(),
             _ => Self::Run(error.to_string()),
         }

@@ -11,10 +11,7 @@ use signal_hook::SigId;
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::flag;
 
-use crate::failure::Failure;
-
-/// Exit status of a run that was interrupted: 128 + SIGINT, as shells have it.
-pub(crate) const STATUS: u8 = 130;
+use crate::failure::{Failure, INTERRUPTED};
 
 /// Time after the first signal in which others count as the same: `timeout` sends one to the program and one to its
 /// group.
@@ -45,7 +42,7 @@ impl Interrupt {
         let mut interrupt = Self { asked: Arc::default(), handlers: Vec::new() };
         let insisting = Arc::default();
         for signal in [SIGINT, SIGTERM] {
-            let exit = flag::register_conditional_shutdown(signal, STATUS.into(), Arc::clone(&insisting))?;
+            let exit = flag::register_conditional_shutdown(signal, INTERRUPTED.into(), Arc::clone(&insisting))?;
             interrupt.handlers.push(exit);
             interrupt.handlers.push(flag::register(signal, interrupt.asked.clone())?);
         }

@@ -7,6 +7,7 @@ mod arguments;
 mod console;
 mod export;
 mod failure;
+mod finished;
 mod groom;
 mod inspect;
 mod interrupt;

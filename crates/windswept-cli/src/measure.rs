@@ -7,8 +7,8 @@ use windswept_scene::Scene;
 use crate::arguments::MeasureArguments;
 use crate::console::Console;
 use crate::failure::Failure;
+use crate::finished::{OF_HAIR, OF_SCENE, check_folder, there};
 use crate::output::Output;
-use crate::render::{OF_HAIR, OF_SCENE, check_folder, there};
 
 pub(crate) fn measure(arguments: &MeasureArguments, console: &mut Console<'_>) -> Result<(), Failure> {
     check_folder(&arguments.dir)?;

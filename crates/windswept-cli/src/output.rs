@@ -1,6 +1,6 @@
 //! The folder that a run writes into.
 
-use std::fs::{self, DirEntry};
+use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
@@ -12,10 +12,6 @@ use windswept_scene::{AtomicFile, Scene};
 
 use crate::arguments::RunOptions;
 use crate::failure::Failure;
-
-/// Prefix of the name of the folder in which `windswept export` makes a film.usdc. The command removes the folder at
-/// its end, unless it is killed.
-pub(crate) const WORKSHOP: &str = ".windswept-usdc-";
 
 /// A folder that may be written to; nothing is touched before [`Output::create`].
 pub(crate) struct Output {
@@ -88,7 +84,6 @@ impl Output {
         let lock = self.folder().lock()?;
         // Another run may have come and gone since it was checked.
         check_folder(&self.dir, self.overwrite)?;
-        self.remove_workshops()?;
         self.folder().clear(&files_with_made())?;
         write(&self.scene(), &scene.text_in(&self.dir))?;
         Ok(lock)
@@ -96,28 +91,15 @@ impl Output {
 
     /// Removes the halves of files that a killed run or export left; the folder is locked.
     pub(crate) fn remove_parts(&self) -> Result<(), Failure> {
-        self.remove_workshops()?;
         Ok(self.folder().remove_parts(&files_with_made())?)
     }
 
-    /// Locks the folder for an export that has its workshop there: a run would clear it away. Those of exports that
-    /// were killed go.
-    pub(crate) fn lock_for_workshop(&self) -> Result<Lock, Failure> {
+    /// Locks the folder for an export that makes this file there: a run would clear its halves away. Those of exports
+    /// that were killed go.
+    pub(crate) fn lock_for(&self, file: &str) -> Result<Lock, Failure> {
         let lock = self.folder().lock()?;
-        self.remove_workshops()?;
+        self.folder().remove_parts(&[file])?;
         Ok(lock)
-    }
-
-    fn remove_workshops(&self) -> Result<(), Failure> {
-        let entries = fs::read_dir(&self.dir).map_err(|e| no_folder(&self.dir, &e))?.flatten();
-        let is_workshop = |entry: &DirEntry| {
-            let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
-            is_folder && entry.file_name().to_string_lossy().starts_with(WORKSHOP)
-        };
-        entries
-            .filter(is_workshop)
-            .map(|entry| entry.path())
-            .try_for_each(|workshop| fs::remove_dir_all(&workshop).map_err(|e| cannot("removed", &workshop, &e)))
     }
 
     /// Makes the folder that of a run which goes on: without the report of what was until now, and with the scene as it

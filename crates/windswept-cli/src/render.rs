@@ -1,7 +1,6 @@
 //! `windswept render`: pictures of a run that is over, or was stopped.
 
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
 use windswept::{AdapterChoice, Frame, Gpu};
 use windswept_export::{
@@ -9,9 +8,10 @@ use windswept_export::{
 };
 use windswept_scene::{AirPicture, Scene};
 
-use crate::arguments::RenderOptions;
+use crate::arguments::{Range, RenderOptions};
 use crate::console::Console;
 use crate::failure::Failure;
+use crate::finished::{OF_HAIR, OF_SCENE, check_folder, open, there};
 use crate::interrupt::Interrupt;
 use crate::output::Output;
 use crate::progress::Progress;
@@ -185,72 +185,5 @@ impl FinishedRun {
         }
         let near = (0..times.len()).min_by(|&a, &b| (times[a] - time).abs().total_cmp(&(times[b] - time).abs()));
         Ok(near.unwrap_or(0))
-    }
-}
-
-/// Hints that name the writers of scene.toml and hair.vtkhdf.
-pub(crate) const OF_SCENE: &str = "`windswept run` writes it";
-pub(crate) const OF_HAIR: &str = "a run with `--formats vtkhdf` writes it";
-
-/// Refuses a path that is no folder.
-pub(crate) fn check_folder(dir: &Path) -> Result<(), Failure> {
-    if dir.is_dir() {
-        return Ok(());
-    }
-    Err(Failure::Input(format!("{}: no such folder; expected that of a run", dir.display())))
-}
-
-/// A file of a run, if it is there.
-pub(crate) fn there(path: PathBuf, comes_from: &str) -> Result<PathBuf, Failure> {
-    if path.is_file() {
-        return Ok(path);
-    }
-    Err(Failure::Input(format!("{}: is missing; {comes_from}", path.display())))
-}
-
-pub(crate) fn open(path: &Path, kind: Kind) -> Result<VtkHdfReader, Failure> {
-    // A film that cannot be read is bad input: nothing has been written.
-    let reader = VtkHdfReader::open(path).map_err(|e| Failure::Input(e.to_string()))?;
-    if reader.kind() != kind {
-        return Err(Failure::Input(format!("{}: expected {kind:?}, found {:?}", path.display(), reader.kind())));
-    }
-    Ok(reader)
-}
-
-/// `--frames A..B`: from A to before B.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct Range {
-    from: usize,
-    to: Option<usize>,
-}
-
-impl FromStr for Range {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let expected = || "expected A..B, A.. or ..B, frames from A to before B".to_owned();
-        let (from, to) = text.split_once("..").ok_or_else(expected)?;
-        let number = |text: &str| text.parse::<usize>().map_err(|_| expected());
-        let range = Self {
-            from: if from.is_empty() { 0 } else { number(from)? },
-            to: if to.is_empty() { None } else { Some(number(to)?) },
-        };
-        if range.to.is_some_and(|to| to <= range.from) { Err(expected()) } else { Ok(range) }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::Range;
-
-    #[test]
-    fn ranges_are_read() {
-        let range = |from, to| Ok(Range { from, to });
-        assert_eq!("3..7".parse(), range(3, Some(7)));
-        assert_eq!("3..".parse(), range(3, None));
-        assert_eq!("..7".parse(), range(0, Some(7)));
-        for wrong in ["", "3", "7..3", "3..3", "a..b", "-1..2", "1.5..2"] {
-            assert!(wrong.parse::<Range>().is_err(), "{wrong}");
-        }
     }
 }

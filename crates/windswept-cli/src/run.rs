@@ -7,9 +7,7 @@ use std::time::{Duration, Instant};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use windswept::{AdapterChoice, Checkpoint, CheckpointError, Gpu, Report, RunError, RunFailure, Simulation};
-use windswept_export::{
-    DEFAULT_FORMATS, ExportError, FORMATS, Folder, Format, Lock, Loss, Recording, Run, Schedule, Stop,
-};
+use windswept_export::{DEFAULT_FORMATS, ExportError, Folder, Format, Lock, Loss, Recording, Run, Schedule, Stop};
 use windswept_scene::Time;
 
 use crate::arguments::{Asked, OnBlowup, RunOptions};
@@ -44,7 +42,8 @@ pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(),
     output.write_trace(&simulation)?;
     if options.trace.is_some() && simulation.traced_passes() == 0 {
         console.warn(
-            "--trace: no step was timed; the adapter has no timestamps, or the run was shorter than two batches of steps",
+            "--trace: no step was timed; the adapter has no timestamps, or the run was shorter than two batches of \
+             steps",
         );
     }
     // The scene's own warnings were given at the start.
@@ -175,7 +174,7 @@ fn go_on(options: &RunOptions, dir: &Path, console: &mut Console<'_>) -> Result<
 
 /// A warning for each format of a run that it goes on without: frames that it lacks are not made again.
 fn left_out<'a>(had: &'a [String], kept: &'a [&'static Format]) -> impl Iterator<Item = String> + 'a {
-    let had = FORMATS.iter().filter(|format| had.iter().any(|name| name == format.name));
+    let had = Format::of_runs().filter(|format| had.iter().any(|name| name == format.name));
     let left = had.filter(|format| kept.iter().all(|kept| kept.name != format.name));
     left.map(|format| format!("no more {}: --formats leaves out {}, for good", format.writes, format.name))
 }

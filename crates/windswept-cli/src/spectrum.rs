@@ -14,8 +14,8 @@ use windswept_scene::{Air, AtomicFile, InitialState, Scene};
 use crate::arguments::SpectrumOptions;
 use crate::console::Console;
 use crate::failure::Failure;
+use crate::finished::open;
 use crate::output::Output;
-use crate::render::open;
 
 /// The smallest scale of the ladder in particle spacings: smaller eddies the particles cannot carry.
 const SMALLEST: f64 = 1.25;

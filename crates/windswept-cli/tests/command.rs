@@ -136,8 +136,8 @@ fn control_characters_of_paths_are_spelled() {
         (&run[..], 0),
         (&run[..], 2),
         (&["render", out, "--adapter", "software"], 0),
-        (&["export", out, "--format", "usda"], 0),
-        (&["export", out, "--format", "usda"], 2),
+        (&["export", out, "--format", "usd"], 0),
+        (&["export", out, "--format", "usd"], 2),
     ] {
         let output = windswept(folder.path(), arguments).output().expect("the program starts");
         assert_eq!(output.status.code(), Some(status), "{output:?}");

@@ -151,7 +151,7 @@ const HALVES: [&str; 5] = [
     "frames/0007.png.part",
     "hair.vtkhdf.part",
     "report.json.part",
-    ".windswept-usdc-a1b2c3/film.usda",
+    ".windswept-film-a1b2c3/film.usda",
 ];
 
 /// Halves of files that a kill left are no pictures and no films: the next run or `render` in the folder removes them,
@@ -161,7 +161,7 @@ fn halves_that_a_kill_left_are_removed() {
     let folder = folder();
     let out = folder.path().join("out");
     let left = || {
-        for folder in ["frames", ".windswept-usdc-a1b2c3"] {
+        for folder in ["frames", ".windswept-film-a1b2c3"] {
             fs::create_dir_all(out.join(folder)).expect("a folder");
         }
         HALVES.iter().for_each(|name| fs::write(out.join(name), "half").expect("a file"));

@@ -17,24 +17,21 @@ use std::fs::File;
 use std::io::{self, BufWriter, ErrorKind, Seek, SeekFrom, Write};
 use std::path::Path;
 
-use windswept::{Frame, HairFrame};
+use windswept::HairFrame;
 use windswept_scene::{AtomicFile, npy_head};
 use zip::{CompressionMethod, ZipWriter, write::SimpleFileOptions};
 
-use crate::{ExportError, Provenance};
+use crate::error::ExportError;
+use crate::film::Film;
+use crate::provenance::Provenance;
 
-/// Writes a film of `frames` frames, of which `frame` makes any, time and again, with one in memory at a time. A file
-/// at `path` is replaced once all is written.
+/// Writes a film. A file at `path` is replaced once all is written.
 ///
 /// # Errors
-/// [`ExportError::Frame`] if there is no frame, or frames have not the same strands; [`ExportError::File`] if the file cannot be
-/// written; what `frame` says.
-pub fn write_npz(
-    path: &Path,
-    frames: usize,
-    frame: impl Fn(usize) -> Result<Frame, ExportError>,
-    provenance: &Provenance<'_>,
-) -> Result<(), ExportError> {
+/// [`ExportError::Frame`] if there is no frame, or frames have not the same strands; [`ExportError::File`] if the file
+/// cannot be written; an error of [`Film::frame`].
+pub(crate) fn write_npz(path: &Path, film: &Film<'_>) -> Result<(), ExportError> {
+    let Film { frames, frame, provenance, .. } = *film;
     let invalid = |problem: &str| ExportError::Frame { path: path.to_path_buf(), problem: problem.to_owned() };
     if frames == 0 {
         return Err(invalid("there is no frame"));

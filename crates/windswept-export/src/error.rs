@@ -45,6 +45,14 @@ pub enum ExportError {
         /// Why not, and what was expected.
         problem: String,
     },
+    /// The Python that writes a file is not there, or lacks a package.
+    #[error("{}: {problem}", program.display())]
+    Python {
+        /// The Python.
+        program: PathBuf,
+        /// What is missing, and where it comes from.
+        problem: String,
+    },
     /// The GPU that draws.
     #[error(transparent)]
     Gpu(#[from] windswept::GpuError),

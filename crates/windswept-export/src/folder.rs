@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use fs4::{FileExt, TryLockError};
 use windswept_scene::{AtomicFile, remove};
 
+use crate::error::ExportError;
 use crate::picture::is_own_picture;
-use crate::{ExportError, FORMATS};
 
 /// The file that is locked while somebody writes beside it. The one that a killed run leaves is not locked any more.
 pub const LOCK: &str = ".windswept.lock";
@@ -20,22 +20,9 @@ pub const SCENE: &str = "scene.toml";
 pub const CHECKPOINT: &str = "checkpoint.windswept";
 /// Written by `windswept render` only.
 pub const SHEET: &str = "contact-sheet.png";
-/// Written by `windswept export` only.
-pub const FILMS: [&str; 3] = ["film.usda", "film.usdc", "film.npz"];
-
-/// Every name that a run writes: its formats' files, the report, the scene and the checkpoint. As in
-/// [`crate::Format::files`], a stem of zeros stands for a file per frame.
-#[must_use]
-pub fn files_of_run() -> Vec<&'static str> {
-    // Files that mark a run as whole come first: they are the first to be removed.
-    [REPORT, CHECKPOINT, SCENE].into_iter().chain(FORMATS.iter().flat_map(|format| format.files).copied()).collect()
-}
-
-/// The names of [`files_of_run`], and those of files that are made of a run that is over.
-#[must_use]
-pub fn files_with_made() -> Vec<&'static str> {
-    files_of_run().into_iter().chain([SHEET]).chain(FILMS).collect()
-}
+/// Prefix of the name of a folder in which another program makes a film. The folder is gone at the end, unless the
+/// process is killed.
+pub(crate) const WORKSHOP: &str = ".windswept-film-";
 
 /// A folder with files of such names as [`crate::Format::files`] has: a stem of zeros stands for a file per frame.
 #[derive(Debug, Clone, Copy)]
@@ -46,8 +33,8 @@ impl Folder<'_> {
     /// Python's writers. On a file system without locks nobody is kept out.
     ///
     /// # Errors
-    /// [`ExportError::Folder`] if another one has it, or something else is in the file's place; [`ExportError::File`] if the file cannot be
-    /// made.
+    /// [`ExportError::Folder`] if another one has it, or something else is in the file's place; [`ExportError::File`]
+    /// if the file cannot be made.
     pub fn lock(&self) -> Result<Lock, ExportError> {
         let path = self.0.join(LOCK);
         loop {
@@ -118,12 +105,19 @@ impl Folder<'_> {
         Ok(())
     }
 
-    /// Removes the halves of such files that a writer left as it was killed. The caller has the lock.
+    /// Removes the halves of such files, and the workshops, that a writer left as it was killed. The caller has the
+    /// lock.
     ///
     /// # Errors
     /// [`ExportError::File`] with what the system says.
     pub fn remove_parts(&self, names: &[&str]) -> Result<(), ExportError> {
-        self.parts(names).into_iter().try_for_each(remove_file)
+        self.parts(names).into_iter().try_for_each(remove_file)?;
+        let entries = fs::read_dir(self.0).into_iter().flatten().flatten();
+        let workshops = entries.filter(|entry| entry.file_name().to_string_lossy().starts_with(WORKSHOP));
+        let folders = workshops.filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_dir()));
+        folders.map(|entry| entry.path()).try_for_each(|path| {
+            fs::remove_dir_all(&path).map_err(|error| failed(path, "could not be removed", &error))
+        })
     }
 
     /// The paths of such files until they are whole; of a file per frame, those that are there.
@@ -171,8 +165,11 @@ impl Drop for Lock {
 }
 
 fn remove_file(path: PathBuf) -> Result<(), ExportError> {
-    let doing = "could not be removed";
-    remove(&path).map_err(|error| ExportError::File { path, doing, reason: error.to_string() })
+    remove(&path).map_err(|error| failed(path, "could not be removed", &error))
+}
+
+fn failed(path: PathBuf, doing: &'static str, error: &std::io::Error) -> ExportError {
+    ExportError::File { path, doing, reason: error.to_string() }
 }
 
 /// Refuses a link in the place of a file that is to grow: what it leads to is not the writer's.
@@ -188,7 +185,7 @@ fn open(path: &Path) -> Result<File, ExportError> {
         return refuse(path, "expected a file or nothing");
     }
     let opened = OpenOptions::new().create(true).truncate(false).write(true).open(path);
-    opened.map_err(|e| ExportError::File { path: path.into(), doing: "could not be made", reason: e.to_string() })
+    opened.map_err(|error| failed(path.into(), "could not be made", &error))
 }
 
 fn refuse<T>(path: &Path, problem: &str) -> Result<T, ExportError> {

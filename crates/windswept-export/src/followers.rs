@@ -30,7 +30,7 @@ use glam::{Quat, Vec3};
 use windswept::{Frame, HairFrame};
 use windswept_scene::{Body, Curves, Hair, Scene, Strands, limits::MAX_HAIRS};
 
-use crate::ExportError;
+use crate::error::ExportError;
 use crate::strands::check_strands;
 
 use self::bonds::{Bond, Group};

@@ -13,7 +13,7 @@ use glam::DVec3;
 use serde::Serialize;
 use windswept::HairFrame;
 
-use crate::ExportError;
+use crate::error::ExportError;
 use crate::strands::check_strands;
 use moment::{Moment, Start};
 use motion::Motion;
@@ -134,8 +134,8 @@ impl Measure {
     /// Strands are compared with the first frame's; frames before the window may be left out after that.
     ///
     /// # Errors
-    /// [`ExportError::Film`] if the time is not behind that of the last frame, if points do not make strands or are not finite, or if the
-    /// strands are others than those of the first frame.
+    /// [`ExportError::Film`] if the time is not behind that of the last frame, if points do not make strands or are not
+    /// finite, or if the strands are others than those of the first frame.
     pub fn add(&mut self, time: f64, hair: &HairFrame, wind: [f64; 3]) -> Result<(), ExportError> {
         let fault = |problem: String| film_error(format!("frame {}: {problem}", self.moments.len()));
         check(hair).map_err(fault)?;
@@ -155,8 +155,8 @@ impl Measure {
     /// The numbers of the window.
     ///
     /// # Errors
-    /// [`ExportError::Film`] if the window has fewer than 8 frames, or frames at uneven times: a frame may be half of the time between two
-    /// frames away from its even place, as those of a run are by up to half a step.
+    /// [`ExportError::Film`] if the window has fewer than 8 frames, or frames at uneven times: a frame may be half of
+    /// the time between two frames away from its even place, as those of a run are by up to half a step.
     pub fn finish(&self) -> Result<Measurement, ExportError> {
         let times: Vec<f64> = self.moments.iter().map(|moment| moment.time).collect();
         let window = window::window(&times, &self.options).map_err(film_error)?;
@@ -199,8 +199,8 @@ impl Measure {
 /// \[m/s\] at a time \[s\], zero where none is known.
 ///
 /// # Errors
-/// [`ExportError::File`] if the film cannot be read; [`ExportError::Film`], with its path, as [`Measure::add`] and [`Measure::finish`], and
-/// if it is not of hair.
+/// [`ExportError::File`] if the film cannot be read; [`ExportError::Film`], with its path, as [`Measure::add`] and
+/// [`Measure::finish`], and if it is not of hair.
 #[cfg(feature = "vtkhdf")]
 pub fn measure_film(
     path: &std::path::Path,

@@ -7,7 +7,7 @@ use std::path::Path;
 use image::{ImageReader, Rgba, RgbaImage};
 use windswept_scene::AtomicFile;
 
-use crate::ExportError;
+use crate::error::ExportError;
 
 /// Space between the pictures of a contact sheet \[px\].
 const GAP: u32 = 4;
@@ -86,7 +86,8 @@ pub fn check_sheet(sizes: &[(u32, u32)]) -> Result<(u32, u32), ExportError> {
     if n > 1 && pixels(n) > MAX_PIXELS {
         let fit = (1..n).rev().find(|n| pixels(*n) <= MAX_PIXELS).unwrap_or(1);
         return refuse(format!(
-            "{n} pictures of {width} x {height} pixels are too many for a contact sheet of {MAX_PIXELS} pixels; expected at most {fit}"
+            "{n} pictures of {width} x {height} pixels are too many for a contact sheet of {MAX_PIXELS} pixels; \
+             expected at most {fit}"
         ));
     }
     Ok((width, height))
@@ -106,7 +107,8 @@ fn cells(pictures: u64) -> [u64; 2] {
 /// Pictures of one size side by side, in rows as wide as they are many, up to four.
 ///
 /// # Errors
-/// [`ExportError::Picture`] if there are none, their sizes differ, or they have more than 134 million pixels and are not one alone.
+/// [`ExportError::Picture`] if there are none, their sizes differ, or they have more than 134 million pixels and are
+/// not one alone.
 pub fn contact_sheet(pictures: &[RgbaImage]) -> Result<RgbaImage, ExportError> {
     let sizes: Vec<_> = pictures.iter().map(RgbaImage::dimensions).collect();
     let (width, height) = check_sheet(&sizes)?;

@@ -6,8 +6,12 @@ use std::path::{Path, PathBuf};
 use windswept::{Frame, Gpu};
 use windswept_scene::{Curves, Scene, remove};
 
-use crate::picture::read_png;
-use crate::{ExportError, Folder, FrameSink, Preview, Renderer, write_png};
+use crate::error::ExportError;
+use crate::folder::Folder;
+use crate::picture::{read_png, write_png};
+use crate::preview::Preview;
+use crate::render::Renderer;
+use crate::sink::FrameSink;
 
 /// Draws frames and saves them into a folder.
 pub struct Pictures {

@@ -9,7 +9,7 @@ use image::RgbaImage;
 use image::imageops::{FilterType, resize};
 use windswept_scene::AtomicFile;
 
-use crate::ExportError;
+use crate::error::ExportError;
 
 /// The most pixels along a side.
 const SIDE: u32 = 512;

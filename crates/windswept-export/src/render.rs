@@ -24,7 +24,7 @@ use windswept::{Frame, Gpu, HairFrame};
 use windswept_scene::{AirPicture, Curves, Scene};
 use windswept_shaders::pictures::common::FINE;
 
-use crate::ExportError;
+use crate::error::ExportError;
 use groom::Groom;
 use passes::Passes;
 use target::Target;
@@ -63,8 +63,8 @@ impl Renderer {
     /// hairs between them.
     ///
     /// # Errors
-    /// [`ExportError::Picture`] if there is no strand, the camera stands where it looks or asks for a picture larger than
-    /// the adapter draws, or so many hairs do not fit it; [`ExportError::Gpu`] if the driver refuses.
+    /// [`ExportError::Picture`] if there is no strand, the camera stands where it looks or asks for a picture larger
+    /// than the adapter draws, or so many hairs do not fit it; [`ExportError::Gpu`] if the driver refuses.
     pub fn new(gpu: &Gpu, scene: &Scene, start: &HairFrame) -> Result<Self, ExportError> {
         Self::with_groom(gpu, scene, start, None)
     }
@@ -146,8 +146,8 @@ impl Renderer {
     /// A picture of the frame, sRGB, opaque.
     ///
     /// # Errors
-    /// [`ExportError::Picture`] if the frame is not of this renderer's strands, has a point that is not finite, or lacks
-    /// what `picture.air` colours by; [`ExportError::Gpu`] if the driver refuses or the device is lost.
+    /// [`ExportError::Picture`] if the frame is not of this renderer's strands, has a point that is not finite, or
+    /// lacks what `picture.air` colours by; [`ExportError::Gpu`] if the driver refuses or the device is lost.
     pub fn render(&self, frame: &Frame) -> Result<RgbaImage, ExportError> {
         let air = self.accept(frame)?;
         let points = frame.hair.positions.iter().map(|p| Vec3::from_array(*p));

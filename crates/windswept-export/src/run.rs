@@ -8,8 +8,9 @@ use std::time::{Duration, Instant};
 use windswept::{Frame, RunError, Simulation};
 use windswept_scene::{AirPicture, Time};
 
-use crate::sink::is_later;
-use crate::{ExportError, Format, FrameSink, Start};
+use crate::error::ExportError;
+use crate::formats::{FORMATS, Format};
+use crate::sink::{FrameSink, Start, is_later};
 
 /// Steps and frames of a run, all counted from t = 0.
 #[derive(Debug, Clone, PartialEq)]
@@ -273,8 +274,15 @@ impl Recording {
         let (gpu, scene) = (simulation.engine().gpu(), simulation.scene());
         let groom = simulation.initial().followers.as_ref();
         let start = Start { folder, gpu, scene, groom, first: &first, written, frames };
-        let wanted = crate::FORMATS.iter().filter(|format| formats.iter().any(|wanted| wanted.name == format.name));
-        let sinks = wanted.map(|format| Ok((format, (format.create)(&start)?))).collect::<Result<_, ExportError>>()?;
+        let wanted = FORMATS.iter().filter(|format| formats.iter().any(|wanted| wanted.name == format.name));
+        let sink = |format: &'static Format| match format.create {
+            Some(create) => Ok((format, create(&start)?)),
+            None => {
+                let problem = format!("format {} is made of a run that is over, expected one of a run", format.name);
+                Err(ExportError::Frame { path: folder.into(), problem })
+            }
+        };
+        let sinks = wanted.map(sink).collect::<Result<_, ExportError>>()?;
         Ok(Self { sinks, uncut: (!written.is_empty()).then_some(first), ..none })
     }
 
@@ -291,8 +299,8 @@ impl Recording {
     /// the recording has to go on without.
     ///
     /// # Errors
-    /// [`ExportError`] if the state cannot be read or is not later, and no format has the frame; or if a format that cannot be made again
-    /// cannot be written, and all others have it.
+    /// [`ExportError`] if the state cannot be read or is not later, and no format has the frame; or if a format that
+    /// cannot be made again cannot be written, and all others have it.
     pub fn append(&mut self, simulation: &mut Simulation) -> Result<Vec<Loss>, ExportError> {
         if self.sinks.is_empty() {
             return Ok(Vec::new());
@@ -363,13 +371,8 @@ mod tests {
 
     use super::*;
 
-    const FILMS: Format = Format {
-        name: "films",
-        writes: "films",
-        files: &[],
-        made_again: false,
-        create: |_| Err(ExportError::Picture { problem: String::new() }),
-    };
+    const FILMS: Format =
+        Format { name: "films", writes: "films", files: &[], made_again: false, create: None, film: None };
     const PICTURES: Format = Format { name: "pictures", made_again: true, ..FILMS };
 
     /// Counts its frames, or refuses each with these words.

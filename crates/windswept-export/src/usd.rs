@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! #usda 1.0
-//! ( endTimeCode, upAxis "Y", metersPerUnit 1, timeCodesPerSecond, customLayerData.windswept: version, adapter, seed, scene )
+//! ( endTimeCode, upAxis "Y", metersPerUnit 1, timeCodesPerSecond,
+//!   customLayerData.windswept: version, adapter, seed, scene )
 //! def BasisCurves "Hair"      cubic, catmullRom, pinned: curves go through their vertices, which are a strand's points
 //!     curveVertexCounts       points of each strand
 //!     widths                  \[m\], vertex: a fibre's diameter
@@ -14,7 +15,7 @@
 //!
 //! A text file can only grow at its end, and in a file the samples of one attribute follow one another. So
 //! [`UsdWriter`], which writes a film while it is simulated, gives each of the three attributes a layer of its own; the
-//! one with the points has the others as its sublayers. [`write_usda`] makes one file of a film that is there already,
+//! one with the points has the others as its sublayers. [`write_usd`] makes one file of a film that is there already,
 //! an attribute at a time.
 //!
 //! A layer that grows ends with `END`, which closes what is open and begins a comment. A sample is written into the
@@ -23,6 +24,7 @@
 //!
 //! Sources: OpenUSD, "UsdGeomBasisCurves"; Epic Games, "Using Alembic for Grooms", for the names after `primvars:`.
 
+mod binary;
 mod layer;
 mod text;
 
@@ -33,11 +35,14 @@ use std::path::{Path, PathBuf};
 use windswept::{Frame, HairFrame};
 use windswept_scene::AtomicFile;
 
-use self::layer::Layer;
-use self::text::{ROOM, SAMPLED, meta, prim, sample, stage, still};
-use crate::sink::is_later;
+pub(crate) use self::binary::write_usdc;
+use self::layer::{Layer, failed};
+use self::text::{ROOM, SAMPLED, Sampled, meta, prim, sample, stage, still};
+use crate::error::ExportError;
+use crate::film::Film;
+use crate::provenance::Provenance;
+use crate::sink::{FrameSink, Start, is_later};
 use crate::strands::check_strands;
-use crate::{ExportError, FrameSink, Provenance, Start};
 
 /// Writes a film of strands while it is made, and keeps no frame in memory.
 ///
@@ -57,13 +62,14 @@ pub struct UsdWriter {
 
 impl UsdWriter {
     /// Names of the files of a film: the stage, and the layers that it is composed of besides.
-    pub const FILES: [&str; 3] = ["hair.usda", "hair.velocities.usda", "hair.extent.usda"];
+    pub const FILES: [&str; 3] = [SAMPLED[0].file, SAMPLED[1].file, SAMPLED[2].file];
 
     /// Begins a film in a folder with the strands of `hair`, at `rate` time codes per second. Files of its names are
     /// replaced.
     ///
     /// # Errors
-    /// [`ExportError::Frame`] if there is no strand or its arrays make no sense; [`ExportError::File`] if a file cannot be written.
+    /// [`ExportError::Frame`] if there is no strand or its arrays make no sense; [`ExportError::File`] if a file cannot
+    /// be written.
     pub fn create(
         folder: &Path,
         hair: &HairFrame,
@@ -74,9 +80,9 @@ impl UsdWriter {
         check(hair).map_err(|problem| ExportError::Frame { path: path.clone(), problem })?;
         // The stage comes last: it must find its sublayers.
         let mut layers = Vec::new();
-        for (name, sampled) in Self::FILES.iter().zip(&SAMPLED).rev() {
+        for sampled in SAMPLED.iter().rev() {
             let head = meta(sampled, rate, provenance) + &prim(sampled, hair);
-            layers.push(Layer::create(folder.join(name), head)?);
+            layers.push(Layer::create(folder.join(sampled.file), head)?);
         }
         layers.reverse();
         Ok(Self { path, layers, offsets: hair.offsets.clone(), rate, last: f64::NEG_INFINITY, text: String::new() })
@@ -98,9 +104,8 @@ impl UsdWriter {
         let path = folder.join(Self::FILES[0]);
         check(hair).map_err(|problem| ExportError::Frame { path: path.clone(), problem })?;
         let codes: Vec<f64> = written.iter().map(|time| code(*time, rate)).collect();
-        let layers = Self::FILES.iter().zip(&SAMPLED);
-        let layers = layers.map(|(name, sampled)| Layer::open(folder.join(name), &prim(sampled, hair), &codes));
-        let layers = layers.collect::<Result<Vec<_>, _>>()?;
+        let layer = |sampled: &Sampled| Layer::open(folder.join(sampled.file), &prim(sampled, hair), &codes);
+        let layers = SAMPLED.iter().map(layer).collect::<Result<Vec<_>, _>>()?;
         let last = codes.last().copied().unwrap_or(f64::NEG_INFINITY);
         Ok(Self { path, layers, offsets: hair.offsets.clone(), rate, last, text: String::new() })
     }
@@ -114,8 +119,8 @@ impl UsdWriter {
     /// Writes the next frame. Once this returns, readers of the files find it.
     ///
     /// # Errors
-    /// [`ExportError::Frame`] if its strands differ from those of the film, or its time is not behind that of the last frame;
-    /// [`ExportError::File`] if it cannot be written. The files keep the frames they had.
+    /// [`ExportError::Frame`] if its strands differ from those of the film, or its time is not behind that of the last
+    /// frame; [`ExportError::File`] if it cannot be written. The files keep the frames they had.
     pub fn append(&mut self, frame: &Frame) -> Result<(), ExportError> {
         let at = code(frame.time, self.rate);
         let problem = check(&frame.hair).err().or_else(|| {
@@ -157,19 +162,15 @@ impl UsdWriter {
     }
 }
 
-/// Writes one file of a film of `frames` frames, of which `frame` makes any, time and again; each attribute's samples
-/// follow one another in it. A file at `path` is replaced once all is written.
+/// Writes one file of a film; each attribute's samples follow one another in it. A file at `path` is replaced once all
+/// is written.
 ///
 /// # Errors
-/// [`ExportError::Frame`] if there is no frame, or frames have no strands or not the same; [`ExportError::File`] if the file cannot
-/// be written; what `frame` says.
-pub fn write_usda(
-    path: &Path,
-    frames: usize,
-    frame: impl Fn(usize) -> Result<Frame, ExportError>,
-    rate: f64,
-    provenance: &Provenance<'_>,
-) -> Result<(), ExportError> {
+/// [`ExportError::Frame`] if there is no frame, or frames have no strands or not the same; [`ExportError::File`] if the
+/// file cannot be written; an error of [`Film::frame`].
+pub(crate) fn write_usd(path: &Path, film: &Film<'_>) -> Result<(), ExportError> {
+    let Film { frames, frame, rate, provenance } = film;
+    let (frames, rate) = (*frames, *rate);
     let invalid = |problem: String| ExportError::Frame { path: path.to_path_buf(), problem };
     if frames == 0 {
         return Err(invalid("there is no frame".to_owned()));
@@ -264,8 +265,4 @@ impl FrameSink for UsdFilm {
     fn finish(self: Box<Self>) -> Result<(), ExportError> {
         Ok(())
     }
-}
-
-fn failed(path: &Path, doing: &'static str, error: &std::io::Error) -> ExportError {
-    ExportError::File { path: path.into(), doing, reason: error.to_string() }
 }

@@ -35,10 +35,10 @@
 //!
 //! Source: VTK's "VTKHDF format specification", version 2.0.
 
+mod file;
 mod films;
 mod layout;
 mod reader;
-mod structure;
 
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -46,10 +46,11 @@ use std::path::{Path, PathBuf};
 use windswept::{Frame, HairFrame};
 use windswept_scene::AtomicFile;
 
+use crate::error::ExportError;
 use crate::folder::refuse_link;
-use crate::sink::is_later;
+use crate::provenance::Provenance;
+use crate::sink::{FrameSink, is_later};
 use crate::strands::check_strands;
-use crate::{ExportError, FrameSink, Provenance};
 pub(crate) use films::Films;
 use layout::{Contents, Layout, Rows, Still, Values};
 pub use reader::VtkHdfReader;
@@ -108,8 +109,8 @@ impl VtkHdfWriter {
     /// system with sparse files it fills its room as frames come in.
     ///
     /// # Errors
-    /// [`ExportError::Frame`] if `frame` has nothing of this kind or its strands make no sense, or if so many frames fit
-    /// into no file; [`ExportError::File`] if the file cannot be written.
+    /// [`ExportError::Frame`] if `frame` has nothing of this kind or its strands make no sense, or if so many frames
+    /// fit into no file; [`ExportError::File`] if the file cannot be written.
     pub fn create(
         path: impl AsRef<Path>,
         kind: Kind,
@@ -123,8 +124,7 @@ impl VtkHdfWriter {
             Kind::Hair => frame.hair.offsets.iter().map(|&first| first.into()).collect(),
             Kind::Air => (0..).take(points(kind, frame) + 1).collect(),
         };
-        let scalars = names_of_scalars(kind, frame);
-        let still = still(kind, frame);
+        let (scalars, still) = (names_of_scalars(kind, frame), still(kind, frame));
         let contents = contents(kind, frame, &scalars, &still);
         if path.is_dir() {
             return Err(unreplaced(&path, &ErrorKind::IsADirectory.into()));
@@ -134,31 +134,32 @@ impl VtkHdfWriter {
         Layout::create(whole.part(), kind, &cells, &contents, frames, provenance)
             .map_err(|e| failed(&path, "could not be created", &e))?;
         whole.finish().map_err(|e| unreplaced(&path, &e))?;
-        let (layout, _) =
-            Layout::open(&path, kind, &contents).map_err(|e| failed(&path, "could not be created", &e))?;
-        Ok(Self::new(path, kind, layout, frame, frames))
+        Self::open(path, kind, frame, frames)
     }
 
-    /// The writer of frames like this one into a file that has room for `frames` of them, and none yet.
-    fn new(path: PathBuf, kind: Kind, layout: Layout, frame: &Frame, frames: usize) -> Self {
-        Self {
+    /// The writer of frames like this one into a file that was just made of such, with room for `frames` of them.
+    fn open(path: PathBuf, kind: Kind, frame: &Frame, frames: usize) -> Result<Self, ExportError> {
+        let (scalars, still) = (names_of_scalars(kind, frame), still(kind, frame));
+        let layout = Layout::open(&path, kind, &contents(kind, frame, &scalars, &still), frames)
+            .map_err(|e| failed(&path, "could not be created", &e))?;
+        Ok(Self {
             path,
             kind,
             layout,
             points: points(kind, frame),
             strands: strands(kind, frame).to_vec(),
-            scalars: names_of_scalars(kind, frame),
+            scalars,
             root_frames: root_frames(kind, frame),
             frames,
             written: 0,
             last_time: f64::NEG_INFINITY,
             orientations: Vec::new(),
-        }
+        })
     }
 
     /// Goes on with a file of such frames, which may be that of a killed run, behind its first `written` frames; those
-    /// behind them are dropped. Where it has not room for `frames` frames in all, it is laid out anew, with `.part`
-    /// behind its name until that is done.
+    /// behind them are dropped. It is written anew, with room for `frames` frames in all, and with `.part` behind its
+    /// name until that is done: libhdf5 opens no file that it has not just made.
     ///
     /// # Errors
     /// As [`VtkHdfWriter::create`], and [`ExportError::Frame`] if the file has fewer frames or is not of such.
@@ -191,9 +192,9 @@ impl VtkHdfWriter {
     /// Writes the next frame. Once this returns, readers of the file find it.
     ///
     /// # Errors
-    /// [`ExportError::Frame`] if its strands or its number of particles differ from those of the file, its time is
-    /// not behind that of the last frame, or the file is full; [`ExportError::File`] if it cannot be written. The file keeps
-    /// the frames it had.
+    /// [`ExportError::Frame`] if its strands or its number of particles differ from those of the file, its time is not
+    /// behind that of the last frame, or the file is full; [`ExportError::File`] if it cannot be written. The file
+    /// keeps the frames it had.
     pub fn append(&mut self, frame: &Frame) -> Result<(), ExportError> {
         self.check(frame).map_err(|problem| ExportError::Frame {
             path: self.path.clone(),
@@ -294,9 +295,10 @@ struct Continuation {
     path: PathBuf,
     kind: Kind,
     written: usize,
+    frames: usize,
     last_time: f64,
-    /// The film with room for all frames, where it has not.
-    larger: Option<AtomicFile>,
+    /// The film with the frames that it goes on behind.
+    anew: AtomicFile,
 }
 
 impl Continuation {
@@ -316,42 +318,23 @@ impl Continuation {
         if reader.times().len() < written {
             return Err(invalid(format!("has {} frames, expected the first {written}", reader.times().len())));
         }
-        let last_time = written.checked_sub(1).map_or(f64::NEG_INFINITY, |last| reader.times()[last]);
         if !reader.is_of(kind, points(kind, frame), strands(kind, frame)) {
             return Err(invalid("has other strands or particles than the run that is to go on".to_owned()));
         }
-        let mut larger = None;
-        if reader.room() < frames {
-            let file = AtomicFile::new(&path).map_err(|e| unreplaced(&path, &e))?;
-            let file = larger.insert(file);
-            let mut copy = VtkHdfWriter::create(file.part(), kind, frame, frames, provenance)?;
-            (0..written).try_for_each(|k| copy.append(&reader.frame(k)?))?;
-            copy.finish()?;
-        }
-        drop(reader);
-        let film = Self { path, kind, written, last_time, larger };
-        // A file that cannot be opened to write is found here.
-        film.open(film.larger.as_ref().map_or(&film.path, AtomicFile::part), frame)?;
-        Ok(film)
+        let anew = AtomicFile::new(&path).map_err(|e| unreplaced(&path, &e))?;
+        let mut copy = VtkHdfWriter::create(anew.part(), kind, frame, frames, provenance)?;
+        (0..written).try_for_each(|k| copy.append(&reader.frame(k)?))?;
+        let last_time = copy.last_time;
+        copy.finish()?;
+        Ok(Self { path, kind, written, frames, last_time, anew })
     }
 
     /// Drops the frames behind those that the film goes on from.
-    fn cut(mut self, frame: &Frame) -> Result<VtkHdfWriter, ExportError> {
-        if let Some(larger) = self.larger.take() {
-            larger.finish().map_err(|e| unreplaced(&self.path, &e))?;
-        }
-        let (layout, frames) = self.open(&self.path, frame)?;
-        layout.cut(self.written).map_err(|e| failed(&self.path, "could not be cut", &e))?;
-        let Self { path, kind, written, last_time, .. } = self;
-        Ok(VtkHdfWriter { written, last_time, ..VtkHdfWriter::new(path, kind, layout, frame, frames) })
-    }
-
-    /// Opens the file of such frames at `path`, and says how many it has room for.
-    fn open(&self, path: &Path, frame: &Frame) -> Result<(Layout, usize), ExportError> {
-        let scalars = names_of_scalars(self.kind, frame);
-        let still = still(self.kind, frame);
-        let contents = contents(self.kind, frame, &scalars, &still);
-        Layout::open(path, self.kind, &contents).map_err(|e| failed(&self.path, "could not be opened to go on", &e))
+    fn cut(self, frame: &Frame) -> Result<VtkHdfWriter, ExportError> {
+        let Self { path, kind, written, frames, last_time, anew } = self;
+        anew.finish().map_err(|e| unreplaced(&path, &e))?;
+        let writer = VtkHdfWriter::open(path, kind, frame, frames)?;
+        Ok(VtkHdfWriter { written, last_time, ..writer })
     }
 }
 

@@ -8,7 +8,7 @@ mod python;
 use std::path::Path;
 
 use windswept::{Frame, HairFrame};
-use windswept_export::{UsdWriter, write_usda};
+use windswept_export::{ExportError, Film, Format, UsdWriter};
 
 use film::{PROVENANCE, dump, film, frame};
 
@@ -55,9 +55,15 @@ fn usd_reads_every_frame() {
     read_back(folder.path(), 5);
 
     let whole = tempfile::tempdir().unwrap();
-    write_usda(&whole.path().join("hair.usda"), 5, |k| Ok(frame(k)), RATE, &PROVENANCE).unwrap();
+    write_usd(&whole.path().join("hair.usda"), 5).unwrap();
     assert_eq!(std::fs::read_dir(&whole).unwrap().count(), 1);
     read_back(whole.path(), 5);
+}
+
+/// Writes a film of so many frames as one file of format usd.
+fn write_usd(path: &Path, frames: usize) -> Result<(), ExportError> {
+    let (_, usd) = Format::of_films().find(|(format, _)| format.name == "usd").unwrap();
+    (usd.write)(path, &Film { frames, frame: &|k| Ok(frame(k)), rate: RATE, provenance: PROVENANCE })
 }
 
 /// Wherever a process was ended within a write, the files show the frames before, and the film goes on behind them.
@@ -124,7 +130,7 @@ fn invalid_frames_are_refused() {
     let missing = folder.path().join("missing");
     let error = UsdWriter::create(&missing, &frame(0).hair, RATE, &PROVENANCE).map(drop).unwrap_err().to_string();
     assert!(error.contains("missing") && error.contains("No such file"), "{error}");
-    let error = write_usda(&missing.join("a.usda"), 1, |k| Ok(frame(k)), RATE, &PROVENANCE).unwrap_err().to_string();
+    let error = write_usd(&missing.join("a.usda"), 1).unwrap_err().to_string();
     assert!(error.contains("a.usda") && error.contains("No such file"), "{error}");
 }
 

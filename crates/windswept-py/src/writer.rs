@@ -10,7 +10,7 @@ use pyo3::{
     types::{PyDict, PyTuple},
 };
 use windswept_export::{
-    DEFAULT_FORMATS, FORMATS, Folder, Format, Kind, Lock, Provenance, Recording, SCENE, Schedule, files_with_made,
+    DEFAULT_FORMATS, Folder, Format, Kind, Lock, Provenance, Recording, SCENE, Schedule, files_with_made,
 };
 use windswept_scene::AtomicFile;
 
@@ -48,7 +48,7 @@ fn closed() -> PyErr {
 #[pyfunction]
 pub(crate) fn formats(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
     let formats = PyDict::new(py);
-    FORMATS.iter().try_for_each(|format| formats.set_item(format.name, format.writes))?;
+    Format::of_runs().try_for_each(|format| formats.set_item(format.name, format.writes))?;
     Ok(formats)
 }
 
@@ -98,8 +98,8 @@ impl Writer {
         overwrite: bool,
     ) -> PyResult<Self> {
         let known = |name: &str| {
-            let names = || FORMATS.iter().map(|format| format.name).collect::<Vec<_>>().join(", ");
-            Format::named(name)
+            let names = || Format::of_runs().map(|format| format.name).collect::<Vec<_>>().join(", ");
+            Format::of_run(name)
                 .ok_or_else(|| of_value("formats", format!("expected some of {}, found {name:?}", names())))
         };
         let formats = match &formats {

@@ -144,7 +144,8 @@ fn format(name: &str) -> Result<Vec<Place>> {
 
 use windswept::Frame;
 
-use crate::{{ExportError, FrameSink, Start}};
+use crate::error::ExportError;
+use crate::sink::{{FrameSink, Start}};
 
 /// Writes frames as {name}.
 #[derive(Debug)]
@@ -184,11 +185,12 @@ fn another_program_reads_{name}() {{
             text: format!("\nmod {name};"),
         },
         Place {
-            path: "crates/windswept-export/src/sink.rs".to_owned(),
+            path: "crates/windswept-export/src/formats.rs".to_owned(),
             at: At::Inside("pub const FORMATS".to_owned(), "\n];"),
             text: format!(
-                "\n    Format {{\n        name: \"{name}\",\n        writes: \"say what\",\n        files: &[\"film.{name}\"],\n        \
-                 made_again: true,\n        create: |start| Ok(Box::new(crate::{name}::Film::new(start))),\n    }},"
+                "\n    Format {{\n        name: \"{name}\",\n        writes: \"say what\",\n        files: &[\"hair.{name}\"],\n        \
+                 made_again: true,\n        create: Some(|start| Ok(Box::new(crate::{name}::Film::new(start)))),\n        \
+                 film: None,\n    }},"
             ),
         },
         Place { path: format!("crates/windswept-export/tests/{name}.rs"), at: At::New, text: test },

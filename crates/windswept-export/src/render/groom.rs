@@ -5,7 +5,7 @@ use windswept::HairFrame;
 use windswept_scene::{Curves, Scene};
 use windswept_shaders::pictures::grow::Hair;
 
-use crate::ExportError;
+use crate::error::ExportError;
 use crate::followers::{Followers, chance, hash, root_frame};
 
 /// Radius of a hair where the scene says nothing \[m\].

@@ -9,7 +9,7 @@ use windswept_shaders::pictures::{AVERAGE, common::FINE};
 
 use super::maker::{Depth, Draw, Maker};
 use super::refused;
-use crate::ExportError;
+use crate::error::ExportError;
 
 /// Linear to sRGB, and back for blending, is the texture's work.
 pub(super) const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;

@@ -6,9 +6,8 @@ use std::path::{Path, PathBuf};
 
 use windswept_scene::remove;
 
-use super::failed;
 use super::text::LAST;
-use crate::ExportError;
+use crate::error::ExportError;
 use crate::folder::refuse_link;
 
 /// The end of a layer: of the samples, of the attribute, of the prim. Bytes behind it do not count.
@@ -17,6 +16,7 @@ const END: &str = "};}#";
 const NO_END: &str = "\n   ";
 /// Bytes that a system writes at once, or not: an [`END`] does not lie across a multiple of this.
 const PAGE: u64 = 4096;
+
 /// A layer that grows.
 #[derive(Debug)]
 pub(super) struct Layer {
@@ -134,4 +134,8 @@ fn close(text: &mut String, from: u64) {
 /// Place of the last time code in a layer's text; behind it is room.
 fn last_code(text: &str) -> u64 {
     text.find(LAST).map_or(0, |at| (at + LAST.len()) as u64)
+}
+
+pub(super) fn failed(path: &Path, doing: &'static str, error: &std::io::Error) -> ExportError {
+    ExportError::File { path: path.into(), doing, reason: error.to_string() }
 }

@@ -4,8 +4,7 @@ use std::fmt::Write as _;
 
 use windswept::HairFrame;
 
-use super::UsdWriter;
-use crate::Provenance;
+use crate::provenance::Provenance;
 
 /// Text before the last time code, and room for any such number.
 pub(super) const LAST: &str = "endTimeCode = ";
@@ -13,6 +12,8 @@ pub(super) const ROOM: usize = 24;
 
 /// An attribute with a sample per frame.
 pub(super) struct Sampled {
+    /// Name of the layer's file.
+    pub(super) file: &'static str,
     /// Type and name.
     pub(super) name: &'static str,
     /// Appends the value of a frame.
@@ -21,9 +22,13 @@ pub(super) struct Sampled {
 
 /// The attributes with a sample per frame. The first is that of the stage's own layer.
 pub(super) const SAMPLED: [Sampled; 3] = [
-    Sampled { name: "point3f[] points", put: |hair, text| put_rows(&hair.positions, text) },
-    Sampled { name: "vector3f[] velocities", put: |hair, text| put_rows(&hair.velocities, text) },
-    Sampled { name: "float3[] extent", put: |hair, text| put_rows(&extent(hair), text) },
+    Sampled { file: "hair.usda", name: "point3f[] points", put: |hair, text| put_rows(&hair.positions, text) },
+    Sampled {
+        file: "hair.velocities.usda",
+        name: "vector3f[] velocities",
+        put: |hair, text| put_rows(&hair.velocities, text),
+    },
+    Sampled { file: "hair.extent.usda", name: "float3[] extent", put: |hair, text| put_rows(&extent(hair), text) },
 ];
 
 /// The metadata of a layer.
@@ -31,8 +36,8 @@ pub(super) fn meta(sampled: &Sampled, rate: f64, provenance: &Provenance<'_>) ->
     if sampled.name != SAMPLED[0].name {
         return format!("#usda 1.0\n(\n    timeCodesPerSecond = {rate}\n)\n\n");
     }
-    let [_, layers @ ..] = UsdWriter::FILES;
-    let layers = layers.map(|name| format!("        @./{name}@")).join(",\n");
+    let [_, layers @ ..] = &SAMPLED;
+    let layers = layers.each_ref().map(|layer| format!("        @./{}@", layer.file)).join(",\n");
     stage(rate, provenance, &format!("{:<ROOM$}", 0), &format!("    subLayers = [\n{layers}\n    ]\n"))
 }
 

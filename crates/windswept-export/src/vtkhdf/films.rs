@@ -6,7 +6,9 @@ use windswept::Frame;
 use windswept_scene::Scene;
 
 use super::{Continuation, Kind, VtkHdfWriter, arrays};
-use crate::{ExportError, FrameSink, Provenance, Start};
+use crate::error::ExportError;
+use crate::provenance::Provenance;
+use crate::sink::{FrameSink, Start};
 
 /// Writes strands and air particles, each into a file of its own where there are any.
 pub(crate) struct Films {

@@ -2,96 +2,101 @@
 
 use std::path::{Path, PathBuf};
 
-use hdf5::types::VarLenUnicode;
-use hdf5::{File, Group, Result};
 use windswept::{AirFrame, Frame, HairFrame};
 
-use super::layout::CHUNK;
-use super::{BAND_ENERGY, Kind, VORTICITY, failed, structure};
-use crate::ExportError;
+use super::file::{Array, Hdf5, Number, Result};
+use super::{BAND_ENERGY, Kind, VORTICITY};
+use crate::error::ExportError;
 
 /// Reads a file that [`super::VtkHdfWriter`] wrote: the frames that were finished, in any order.
 #[derive(Debug)]
 pub struct VtkHdfReader {
     path: PathBuf,
     kind: Kind,
-    root: Group,
+    file: Hdf5,
     times: Vec<f64>,
     /// Constant values of the strands; hair only.
     still: HairFrame,
     points: usize,
+    positions: Array,
+    velocities: Array,
+    /// Hair only.
+    orientations: Option<Array>,
+    /// Hair only, where the frames have them.
+    root_frames: Option<Array>,
+    /// Air only, where the frames have them.
+    scalars: [Option<Array>; 2],
 }
 
 impl VtkHdfReader {
     /// Opens a file, whichever of the two it is.
     ///
     /// # Errors
-    /// [`ExportError::File`] if it is not there, is in use by a run, is no HDF5, or was not written by windswept.
+    /// [`ExportError::File`] if it is not there, is in use by a run, or was not written by windswept.
     pub fn open(path: impl AsRef<Path>) -> std::result::Result<Self, ExportError> {
         let path = path.as_ref();
         let refused = |reason: String| ExportError::File { path: path.into(), doing: "could not be read", reason };
-        let foreign = |fault: String| refused(format!("expected a film as windswept writes it: {fault}"));
-        // HDF5's words for a missing file are a page.
-        let found = std::fs::metadata(path).map_err(|e| refused(e.to_string()))?;
         // A pipe may never end.
-        if !found.is_file() {
+        if !std::fs::metadata(path).map_err(|e| refused(e.to_string()))?.is_file() {
             return Err(refused("it is no file".to_owned()));
         }
-        structure::check(path).map_err(foreign)?;
-        let reader = Self::read_layout(path).map_err(|e| match is_locked(&e) {
-            true => refused("another run is writing here".to_owned()),
-            false => failed(path, "could not be read", &e),
-        })?;
-        match reader.fault() {
-            Some(fault) => Err(foreign(fault)),
-            None => Ok(reader),
-        }
+        let file = Hdf5::open(path).map_err(refused)?;
+        Self::of(path, file).map_err(|fault| refused(format!("expected a film as windswept writes it: {fault}")))
     }
 
-    fn read_layout(path: &Path) -> Result<Self> {
-        let root = File::open(path)?.group("VTKHDF")?;
-        let steps = root.group("Steps")?;
-        let finished = steps.attr("NSteps")?.read_scalar::<i64>()?.max(0) as usize;
-        let values = steps.dataset("Values")?;
-        let (frames, room) = (finished.min(values.size()), steps.dataset("PartOffsets")?.size());
-        // Values comes in chunks, so that HDF5 believes any length of it that a damaged file says, and walks through
-        // all of it as it drops times; that of the others must be in the file.
-        if values.size() > room.max(1) || values.chunk() != Some(vec![room.clamp(1, CHUNK)]) {
-            return Err(format!("it has times of {} frames, and room for {room}", values.size()).into());
+    fn of(path: &Path, file: Hdf5) -> Result<Self> {
+        let some = |name: &str| file.array(&format!("VTKHDF/{name}"));
+        let needed = |name: &str| some(name)?.ok_or_else(|| format!("it has no {name}"));
+        let room = needed("Steps/PartOffsets")?.rows;
+        let values = needed("Steps/Values")?;
+        // Values comes in chunks, so that any length of it may be said; that of the others must be in the file.
+        if values.rows > room.max(1) {
+            return Err(format!("it has times of {} frames, and room for {room}", values.rows));
         }
-        let times = if frames > 0 { values.read_slice_1d::<f64, _>(..frames)?.to_vec() } else { Vec::new() };
-        let few = |name: &str, most: usize| {
-            let numbers = root.dataset(name)?;
-            match numbers.size() {
-                size if size > most => Err(format!("{name} has {size} numbers, expected at most {most}").into()),
-                _ => Ok::<_, hdf5::Error>(numbers),
-            }
-        };
-        let number = |name, most| few(name, most)?.read_raw::<i64>();
-        let points = number("NumberOfPoints", 1)?.first().copied().unwrap_or(0).max(0) as usize;
+        let finished = file.attribute("VTKHDF/Steps", "NSteps")?;
+        let finished = finished.get(..8).map_or(0, i64::of).max(0) as u64;
+        let times: Vec<f64> = file.read(&values, 0, finished.min(values.rows))?;
+        let points = needed("NumberOfPoints")?;
+        let points = file.read::<i64>(&points, 0, 1)?[0].max(0) as usize;
         // The group with cells is the one that the file is about.
-        let lines = number("Lines/Offsets", points / 2 + 1)?;
+        let lines: Vec<i64> = all(&file, &needed("Lines/Offsets")?, points / 2 + 1)?;
         let kind = if lines.len() > 1 { Kind::Hair } else { Kind::Air };
-        let mut still = HairFrame::default();
+        let of_hair = |name| if kind == Kind::Hair { some(name) } else { Ok(None) };
+        let whole = |name| {
+            let numbers = of_hair(name)?.map_or(Ok(Vec::new()), |array| all::<i32>(&file, &array, points))?;
+            Ok::<_, String>(numbers.into_iter().map(|number| number as u32).collect::<Vec<_>>())
+        };
+        let floats = |name| of_hair(name)?.map_or(Ok(Vec::new()), |array| all::<f32>(&file, &array, points));
+        let mut still = HairFrame {
+            ids: whole("CellData/StrandId")?,
+            groups: whole("CellData/GroupId")?,
+            fibres: floats("CellData/FibresPerStrand")?,
+            root_uvs: floats("CellData/RootUv")?.as_chunks::<2>().0.to_vec(),
+            radius: floats("PointData/Radius")?,
+            ..HairFrame::default()
+        };
         if kind == Kind::Hair {
-            let there = |name: &str| root.link_exists(name).then(|| few(name, points)).transpose();
-            let whole = |name: &str| match there(name)? {
-                Some(numbers) => Ok(numbers.read_raw::<i32>()?.into_iter().map(|number| number as u32).collect()),
-                None => Ok::<Vec<u32>, hdf5::Error>(Vec::new()),
-            };
-            let floats = |name: &str| there(name)?.map_or(Ok(Vec::new()), |floats| floats.read_raw::<f32>());
             still.offsets = lines.iter().map(|&first| first as u32).collect();
-            still.ids = whole("CellData/StrandId")?;
-            // None where they are what an index says.
-            if still.ids.iter().zip(0..).all(|(id, index)| *id == index) {
-                still.ids.clear();
-            }
-            still.groups = whole("CellData/GroupId")?;
-            still.fibres = floats("CellData/FibresPerStrand")?;
-            still.root_uvs = floats("CellData/RootUv")?.as_chunks::<2>().0.to_vec();
-            still.radius = floats("PointData/Radius")?;
         }
-        Ok(Self { path: path.into(), kind, root, times, still, points })
+        // None where they are what an index says.
+        if still.ids.iter().zip(0..).all(|(id, index)| *id == index) {
+            still.ids.clear();
+        }
+        let of_air = |name| if kind == Kind::Air { some(&format!("PointData/{name}")) } else { Ok(None) };
+        let reader = Self {
+            path: path.into(),
+            kind,
+            times,
+            points,
+            positions: needed("Points")?,
+            velocities: needed("PointData/Velocity")?,
+            orientations: of_hair("PointData/Orientation")?,
+            root_frames: of_hair("CellData/RootFrame")?,
+            scalars: [of_air(VORTICITY)?, of_air(BAND_ENERGY)?],
+            still,
+            file,
+        };
+        reader.fault().map_or(Ok(reader), Err)
     }
 
     /// The error of a file whose parts do not fit together.
@@ -114,19 +119,17 @@ impl VtkHdfReader {
                 return Some(format!("it has {strands} strands of {} points and {found} {what}", self.points));
             }
         }
-        let rows = self.root.dataset("Points").map_or(0, |points| points.shape().first().copied().unwrap_or(0));
-        (rows < self.times.len().saturating_mul(self.points))
-            .then(|| format!("it lacks points of its {} frames", self.times.len()))
+        let rows = self.times.len().saturating_mul(self.points) as u64;
+        (self.positions.rows < rows).then(|| format!("it lacks points of its {} frames", self.times.len()))
     }
 
     /// Name of the adapter that ran, and version of windswept; empty where the file does not say.
     #[must_use]
     pub fn origin(&self) -> [String; 2] {
-        let text = |name: &str| {
-            let value = self.root.file()?.group("windswept")?.attr(name)?.read_scalar::<VarLenUnicode>()?;
-            Ok::<_, hdf5::Error>(value.to_string())
-        };
-        ["adapter", "version"].map(|name| text(name).unwrap_or_default())
+        ["adapter", "version"].map(|name| {
+            let text = self.file.attribute("windswept", name).unwrap_or_default();
+            String::from_utf8_lossy(&text).into_owned()
+        })
     }
 
     /// Which part of a frame it holds.
@@ -138,11 +141,6 @@ impl VtkHdfReader {
     /// Whether its frames are of this kind and have so many points, in these strands where they are hair.
     pub(super) fn is_of(&self, kind: Kind, points: usize, strands: &[u32]) -> bool {
         self.kind == kind && self.points == points && self.still.offsets == strands
-    }
-
-    /// Number of frames that it was laid out for.
-    pub(super) fn room(&self) -> usize {
-        self.root.dataset("Steps/PartOffsets").map_or(0, |numbers| numbers.size())
     }
 
     /// Times of the finished frames \[s\].
@@ -165,71 +163,56 @@ impl VtkHdfReader {
             Kind::Hair => self.hair(k).map(|hair| frame.hair = hair),
             Kind::Air => self.air(k).map(|air| frame.air = air),
         };
-        read.map_err(|e| failed(&self.path, "a frame could not be read", &e))?;
+        let doing = "a frame could not be read";
+        read.map_err(|reason| ExportError::File { path: self.path.clone(), doing, reason })?;
         Ok(frame)
     }
 
     fn hair(&self, k: usize) -> Result<HairFrame> {
-        let per_point: Vec<[f32; 4]> = self.rows("PointData/Orientation", k)?;
+        let orientations = self.orientations.as_ref().ok_or("it has no orientations")?;
+        let per_point: Vec<[f32; 4]> = self.rows(orientations, k, self.points)?;
         let offsets = &self.still.offsets;
         let per_segment = offsets.windows(2).flat_map(|w| &per_point[w[0] as usize..w[1] as usize - 1]);
-        let root_frames = if self.root.link_exists("CellData/RootFrame") {
-            self.some_rows("CellData/RootFrame", k, offsets.len() - 1)?
-        } else {
-            Vec::new()
-        };
+        let root_frames = self.root_frames.as_ref().map(|array| self.rows(array, k, offsets.len() - 1));
         Ok(HairFrame {
-            positions: self.rows("Points", k)?,
-            velocities: self.rows("PointData/Velocity", k)?,
+            positions: self.rows(&self.positions, k, self.points)?,
+            velocities: self.rows(&self.velocities, k, self.points)?,
             orientations: per_segment.copied().collect(),
-            root_frames,
+            root_frames: root_frames.transpose()?.unwrap_or_default(),
             ..self.still.clone()
         })
     }
 
     fn air(&self, k: usize) -> Result<AirFrame> {
+        let scalar = |array: &Option<Array>| {
+            let rows = array.as_ref().map(|array| self.rows::<1>(array, k, self.points)).transpose()?;
+            Ok::<_, String>(rows.unwrap_or_default().into_flattened())
+        };
+        let [vorticity, band_energy] = &self.scalars;
         Ok(AirFrame {
-            positions: self.rows("Points", k)?,
-            velocities: self.rows("PointData/Velocity", k)?,
-            vorticity: self.scalars(VORTICITY, k)?,
-            band_energy: self.scalars(BAND_ENERGY, k)?,
+            positions: self.rows(&self.positions, k, self.points)?,
+            velocities: self.rows(&self.velocities, k, self.points)?,
+            vorticity: scalar(vorticity)?,
+            band_energy: scalar(band_energy)?,
         })
     }
 
-    /// Frame k of a scalar per particle; empty if the file has none.
-    fn scalars(&self, name: &str, k: usize) -> Result<Vec<f32>> {
-        let name = format!("PointData/{name}");
-        if !self.root.link_exists(&name) {
-            return Ok(Vec::new());
+    /// Frame k of an array of so many rows a frame.
+    fn rows<const N: usize>(&self, array: &Array, k: usize, count: usize) -> Result<Vec<[f32; N]>> {
+        if array.width != N as u64 {
+            return Err(format!("an array has rows of {} numbers, expected {N}", array.width));
         }
-        let start = k * self.points;
-        Ok(self.root.dataset(&name)?.read_slice_1d::<f32, _>(start..start + self.points)?.to_vec())
-    }
-
-    /// Frame k of a dataset of rows, one per point.
-    fn rows<const N: usize>(&self, name: &str, k: usize) -> Result<Vec<[f32; N]>> {
-        self.some_rows(name, k, self.points)
-    }
-
-    /// Frame k of a dataset of so many rows a frame.
-    fn some_rows<const N: usize>(&self, name: &str, k: usize, count: usize) -> Result<Vec<[f32; N]>> {
-        let start = k * count;
-        let dataset = self.root.dataset(name)?;
-        if dataset.shape().get(1) != Some(&N) {
-            return Err(format!("{name} has the shape {:?}, expected rows of {N} numbers", dataset.shape()).into());
-        }
-        let rows = dataset.read_slice_2d::<f32, _>((start..start + count, ..))?;
-        let row = |row: &[f32]| std::array::from_fn(|i| row.get(i).copied().unwrap_or_default());
-        Ok(rows.outer_iter().map(|r| row(&r.to_vec())).collect())
+        let numbers: Vec<f32> = self.file.read(array, k.saturating_mul(count) as u64, count as u64)?;
+        Ok(numbers.as_chunks::<N>().0.to_vec())
     }
 }
 
-/// Whether HDF5 could not open a file because somebody writes it, and has locked it.
-fn is_locked(error: &hdf5::Error) -> bool {
-    let words = error.to_string();
-    let number = words.split_once("unable to lock file, errno = ").and_then(|(_, rest)| rest.split(',').next());
-    let number = number.and_then(|number| number.parse().ok());
-    number.is_some_and(|number| std::io::Error::from_raw_os_error(number).kind() == std::io::ErrorKind::WouldBlock)
+/// All numbers of an array of so many rows at most.
+fn all<T: Number>(file: &Hdf5, array: &Array, most: usize) -> Result<Vec<T>> {
+    match array.rows {
+        rows if rows > most as u64 => Err(format!("an array has {rows} rows, expected at most {most}")),
+        rows => file.read(array, 0, rows),
+    }
 }
 
 #[cfg(test)]
@@ -261,7 +244,8 @@ mod tests {
         std::fs::write(&path, bytes).unwrap();
         let said = VtkHdfReader::open(&path).unwrap_err().to_string();
         assert!(
-            said.contains("air.vtkhdf: could not be read: it has times of 8796093022208 frames, and room for 3"),
+            said.contains("air.vtkhdf: could not be read")
+                && said.contains("it has times of 8796093022208 frames, and room for 3"),
             "{said}"
         );
     }
