@@ -18,9 +18,9 @@ macro_rules! checks {
                 let check = LONG_CHECKS.iter().find(|check| check.name == $name).unwrap();
                 let rows = check.rows(&support::gpu());
                 for row in &rows {
-                    println!("{}: {} {}, expected {} within {}", row.test, row.measured, row.unit, row.expected, row.tolerance);
+                    println!("{}: {} {}, expected {} within {}", row.quantity, row.measured, row.unit, row.expected, row.tolerance);
                 }
-                let failing: Vec<_> = rows.iter().filter(|row| !row.passes()).map(|row| &row.test).collect();
+                let failing: Vec<_> = rows.iter().filter(|row| !row.passes()).map(|row| &row.quantity).collect();
                 assert!(!rows.is_empty() && failing.is_empty(), "{failing:?}");
             }
         )+

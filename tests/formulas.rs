@@ -15,14 +15,14 @@ fn rows(name: &str, gpu: &Gpu) -> Vec<Row> {
         let off = row.measured - row.expected;
         println!(
             "{}: {} {}, expected {}, off by {off:+.1e} of {:.1e}",
-            row.test, row.measured, row.unit, row.expected, row.tolerance
+            row.quantity, row.measured, row.unit, row.expected, row.tolerance
         );
     }
     rows
 }
 
 fn failing(rows: &[Row]) -> Vec<&str> {
-    rows.iter().filter(|row| !row.passes()).map(|row| row.test.as_str()).collect()
+    rows.iter().filter(|row| !row.passes()).map(|row| row.quantity.as_str()).collect()
 }
 
 /// One test per check; none is left out.

@@ -1,166 +1,63 @@
-//! Single passes on arrays of the caller's own give the reference's numbers, in a box and in free space, and name bad
-//! arguments.
+//! Single passes on arrays of the caller's own work in free space as in a box, and name bad arguments.
+//! `windswept_validate`'s check `reference` compares them with the reference, `tests/passes` the passes below them on many
+//! sizes and layouts.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod support;
 
 use glam::DVec3;
-use support::{Layout, MASS, RADIUS, VOLUME};
 use windswept::ops::{Filter, OpsError, Particles};
-use windswept_reference::{Parameters, fluid, neighbours, turbulence, viscosity};
-use windswept_scene::{Air, AirParticles, Band, Fluid, InitialState, Scene};
+use windswept_scene::{Air, Fluid};
+use windswept_validate::internals::{Cloud, vectors};
 
-/// The band whose velocity is compared.
-const BAND: Band = Band { scale: 6e-3, strength: 1.0, intensity: 1.0 };
-
-/// Numbers of particles, small: the passes below the operations are tried with more in `tests/passes`.
-const SIZES: [usize; 5] = [1, 63, 64, 65, 3_000];
-
-/// A crowd for the operations, with the reference's parameters for it.
-struct Crowd {
-    positions: Vec<[f64; 3]>,
-    velocities: Vec<[f64; 3]>,
-    bounds: Option<[f64; 3]>,
-    scene: Scene,
-    initial: InitialState,
-}
-
-impl Crowd {
-    fn particles(&self) -> Particles<'_> {
-        Particles {
-            positions: &self.positions,
-            velocities: &self.velocities,
-            mass: MASS,
-            rest_density: Air::REST_DENSITY,
-            radius: RADIUS,
-            bounds: self.bounds,
-        }
-    }
-
-    fn reference(&self) -> (Parameters, Vec<DVec3>, Vec<DVec3>, Vec<f64>) {
-        let p = Parameters::new(&self.scene, &self.initial);
-        // The positions are rounded as the device has them: relative to the box, in f32.
-        let x = self.initial.air.positions.iter().map(|x| (*x - self.initial.air.min).as_vec3().as_dvec3()).collect();
-        let v = self.initial.air.velocities.iter().map(|v| v.as_vec3().as_dvec3()).collect();
-        (p, x, v, vec![VOLUME; self.positions.len()])
-    }
-}
-
-fn crowds() -> impl Iterator<Item = (String, Crowd)> {
-    let layouts = [Layout::Random, Layout::Clustered, Layout::Lattice, Layout::OneCell];
-    let cases = SIZES.into_iter().flat_map(move |n| layouts.map(|layout| (n, layout)));
-    cases.flat_map(|(n, layout)| {
-        // Every pair of a clump meets.
-        let few = if layout == Layout::OneCell { n.min(1000) } else { n };
-        [true, false].map(|closed| (format!("{few} {layout:?}, box {closed}"), crowd(few, layout, closed)))
-    })
-}
-
-fn crowd(n: usize, layout: Layout, closed: bool) -> Crowd {
-    let mut initial = support::particles(n, 0, layout, n as u64 + 3);
-    let stir = |x: &DVec3| DVec3::new((90.0 * x.y).sin(), (70.0 * x.z).sin() + x.x, (130.0 * x.x).cos());
-    let size = initial.air.size;
-    let mut scene = support::scene();
-    scene.turbulence.bands = vec![BAND];
-    scene.turbulence.speed = 1.0;
-    let shift = if closed { DVec3::ZERO } else { DVec3::new(-7.0, 120.0, 0.5) };
-    let positions: Vec<DVec3> = initial.air.positions.iter().map(|x| *x - initial.air.min + shift).collect();
-    let velocities: Vec<DVec3> = positions.iter().map(|x| stir(&(*x - shift))).collect();
-    if !closed {
-        // Free space is a box so large that nobody meets an image.
-        let low = positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
-        let high = positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);
-        initial.air = AirParticles { min: low - 0.1, size: high - low + 0.2, ..initial.air };
-    } else {
-        initial.air.min = DVec3::ZERO;
-    }
-    initial.air.positions.clone_from(&positions);
-    initial.air.velocities.clone_from(&velocities);
-    (initial.air.volume, initial.air.mass) = (VOLUME, MASS);
-    let rows = |values: &[DVec3]| values.iter().map(|v| v.to_array()).collect();
-    Crowd {
-        positions: rows(&positions),
-        velocities: rows(&velocities),
-        bounds: closed.then(|| size.to_array()),
-        scene,
-        initial,
-    }
-}
-
-fn vectors(values: &[[f32; 3]]) -> Vec<DVec3> {
-    values.iter().map(|v| DVec3::from_array(v.map(f64::from))).collect()
-}
-
-/// Largest difference over the largest value, or over `floor` if that is larger.
-fn error(got: &[DVec3], wanted: &[DVec3], floor: f64) -> f64 {
+/// Largest difference over the largest value.
+fn error(got: &[[f32; 3]], wanted: &[[f32; 3]]) -> f64 {
     assert_eq!(got.len(), wanted.len());
-    let scale = wanted.iter().map(|v| v.length()).fold(floor, f64::max);
-    got.iter().zip(wanted).map(|(a, b)| (*a - *b).length()).fold(0.0, f64::max) / scale
+    let (got, wanted) = (vectors(got), vectors(wanted));
+    let scale = wanted.iter().map(|v| v.length()).fold(0.0, f64::max);
+    got.iter().zip(&wanted).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max) / scale
 }
 
-/// Operations give the reference's numbers on every size and layout, in a periodic box and 120 m from the origin in
-/// free space.
+/// Free space, 120 m from the origin, gives the numbers of a box in which no particle meets an image.
 #[test]
-fn operations_are_those_of_the_reference() {
+fn free_space_is_a_box_without_images() {
     let gpu = support::gpu();
-    let fluid_settings = Fluid::pbf(1, 0.5);
-    for (name, mut crowd) in crowds() {
-        crowd.scene.fluid = fluid_settings.clone();
-        crowd.scene.viscosity.air = 0.9;
-        let (p, x, v, volume) = crowd.reference();
-        let near = neighbours::list(&p, &x);
-        let inverse_mass = vec![1.0 / MASS; x.len()];
-        let (theta, lambda) = fluid::density(&p, &x, &inverse_mass, &volume, &near);
-        let shift = fluid::correct(&p, &x, &inverse_mass, &volume, &near, &lambda);
-        let eddies = vec![0.0; x.len()];
-        let exchange = viscosity::limit(&p, &x, &volume, &near, &theta, &eddies);
-        let particles = crowd.particles();
+    let cloud = Cloud::centred(8).jittered(0.3, 7).stirred(1.0, 5);
+    let side = 2.0 * cloud.size.x;
+    let boxed = Particles { bounds: Some([side; 3]), ..cloud.particles() };
+    let shift = DVec3::new(-7.0, 120.0, 0.5);
+    let shifted: Vec<_> = cloud.positions.iter().map(|x| (DVec3::from_array(*x) + shift).to_array()).collect();
+    let free = Particles { positions: &shifted, bounds: None, ..boxed };
 
-        let density: Vec<DVec3> =
-            particles.density(&gpu).unwrap().iter().map(|r| DVec3::X * f64::from(*r) / Air::REST_DENSITY).collect();
-        let theta_wanted: Vec<DVec3> = theta.iter().map(|t| DVec3::X * *t).collect();
-        let origin = if crowd.bounds.is_some() { DVec3::ZERO } else { crowd.initial.air.min };
-        let gap = |(got, (x, shift)): (&[f32; 3], (&DVec3, &DVec3))| {
-            let gap = DVec3::from_array(got.map(f64::from)) - origin - *x - *shift;
-            (gap - crowd.bounds.map_or(DVec3::ZERO, |l| DVec3::from_array(l) * (gap / DVec3::from_array(l)).round()))
-                .length()
-        };
-        let moved = particles.solve_density(&gpu, fluid_settings.clone()).unwrap();
-        let far = moved.iter().zip(x.iter().zip(&shift)).map(gap).fold(0.0, f64::max);
-        let band = turbulence::band(&p, &p.bands[0], DVec3::ZERO, &x, &v, &volume);
-        let viscous = viscosity::xsph(&p, &x, &v, &inverse_mass, &volume, &near, &theta, &eddies, &exchange);
-        let errors = [
-            error(&density, &theta_wanted, 0.1),
-            error(
-                &vectors(&particles.vorticity(&gpu).unwrap()),
-                &turbulence::vorticity(&p, &x, &v, &volume, &near),
-                1.0,
-            ),
-            error(
-                &vectors(&particles.band_velocity(&gpu, BAND.scale, Filter::Direct { cutoff: 4.5 }).unwrap()),
-                &band,
-                1e-3,
-            ),
-            error(&vectors(&particles.viscosity(&gpu, 0.9).unwrap()), &viscous, 1e-3),
-        ];
-        println!("{name}: density, vorticity, band, viscosity {errors:?}, positions {far:.1e} m");
-        // Measured at most 2.5e-6, 3.1e-6, 2.3e-5 and 8.8e-7; margin 4.
-        for (error, bound) in errors.into_iter().zip([1e-5, 1.3e-5, 9e-5, 3.6e-6]) {
-            assert!(error < bound, "{name}: {errors:?}");
-        }
-        // f32 of coordinates of 120 m, handed out in world coordinates: half of 7.6e-6 m.
-        let bound = if crowd.bounds.is_some() { 1e-7 } else { 7e-6 };
-        assert!(far < bound, "{name}: positions {far} m");
-
-        let lists = particles.neighbours(&gpu).unwrap();
-        assert_eq!(lists.offsets.len(), x.len() + 1);
-        for i in 0..x.len() {
-            let listed = &lists.indices[lists.offsets[i] as usize..lists.offsets[i + 1] as usize];
+    let density =
+        |all: Particles<'_>| all.density(&gpu).unwrap().into_iter().map(|rho| [rho, 0.0, 0.0]).collect::<Vec<_>>();
+    let band = |all: Particles<'_>| all.band_velocity(&gpu, 6e-3, Filter::Direct { cutoff: 4.5 }).unwrap();
+    let errors = [
+        error(&density(free), &density(boxed)),
+        error(&free.vorticity(&gpu).unwrap(), &boxed.vorticity(&gpu).unwrap()),
+        error(&band(free), &band(boxed)),
+        error(&free.viscosity(&gpu, 0.9).unwrap(), &boxed.viscosity(&gpu, 0.9).unwrap()),
+    ];
+    println!("density, vorticity, band, viscosity {errors:?}");
+    assert!(errors.iter().all(|error| *error < 1e-5), "{errors:?}");
+    let moved = |all: Particles<'_>| vectors(&all.solve_density(&gpu, Fluid::pbf(1, 0.5)).unwrap());
+    for (free, boxed) in moved(free).into_iter().zip(moved(boxed)) {
+        // A box wraps; f32 of coordinates of 120 m: half of 7.6e-6 m.
+        let gap = free - shift - boxed;
+        assert!((gap - side * (gap / side).round()).length() < 7e-6, "{free} {boxed}");
+    }
+    let lists = free.neighbours(&gpu).unwrap();
+    assert_eq!(lists, boxed.neighbours(&gpu).unwrap());
+    let x: Vec<DVec3> = cloud.positions.iter().map(|x| DVec3::from_array(*x)).collect();
+    for i in 0..x.len() {
+        let listed = &lists.indices[lists.offsets[i] as usize..lists.offsets[i + 1] as usize];
+        for j in (0..x.len()).filter(|j| *j != i) {
+            let apart = x[i].distance(x[j]) / free.radius;
             // Pairs a radius apart may be on either side in f32.
-            let apart = |j: u32| p.separation(i, j as usize, x[i], x[j as usize]).length() / RADIUS;
-            assert!(listed.iter().all(|j| apart(*j) < 1.0 + 1e-5), "{name}: {i} lists strangers");
-            let missing = near.of(i).map(|j| j as u32).find(|j| apart(*j) < 1.0 - 1e-5 && !listed.contains(j));
-            assert_eq!(missing, None, "{name}: {i} misses a neighbour");
+            assert!(
+                (apart - 1.0).abs() < 1e-5 || listed.contains(&(j as u32)) == (apart < 1.0),
+                "{i} and {j}: {apart}"
+            );
         }
     }
 }

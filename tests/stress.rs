@@ -1,4 +1,4 @@
-//! A cut of `cargo xtask stress` on the software adapter: one or two settings of each stress.
+//! A cut of `cargo xtask bench stress` on the software adapter: one or two settings of each stress.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod support;
@@ -8,12 +8,11 @@ use windswept_validate::stress::{Extent, STRESSES};
 fn assert_holds(name: &str) {
     let stress = STRESSES.iter().find(|stress| stress.name == name).unwrap_or_else(|| panic!("no stress {name}"));
     let sweeps = stress.sweeps(&support::gpu(), Extent::Cut);
-    assert!(sweeps.iter().all(|sweep| !sweep.samples.is_empty()), "{name} measures nothing");
-    for sweep in &sweeps {
-        let row = sweep.row();
-        println!("{}: {} {} of at most {}", row.test, row.measured, row.unit, row.tolerance);
+    assert!(sweeps.iter().all(|sweep| !sweep.rows.is_empty()), "{name} measures nothing");
+    for (sweep, worst) in sweeps.iter().zip(sweeps.iter().filter_map(|sweep| sweep.worst())) {
+        println!("{}: {} {} of at most {}", sweep.quantity, worst.measured, worst.unit, worst.tolerance);
     }
-    let failing: Vec<_> = sweeps.iter().filter(|sweep| !sweep.row().passes()).map(|sweep| &sweep.quantity).collect();
+    let failing: Vec<_> = sweeps.iter().flat_map(|sweep| sweep.failing()).collect();
     assert!(failing.is_empty(), "{failing:?}");
 }
 

@@ -66,7 +66,7 @@ fn figures_have_the_papers_parameters() {
 }
 
 /// A band of large eddies asks for less work than one of small eddies: its grid is coarser by as much as its smoothing
-/// reaches farther. `cargo bench --bench price` has what that comes to in time.
+/// reaches farther. `cargo xtask bench price` has what that comes to in time.
 #[test]
 fn large_eddies_cost_no_more_than_small_ones() {
     let [small, large] = ["fig2b", "fig3c"].map(|name| {

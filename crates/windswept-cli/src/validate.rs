@@ -47,7 +47,7 @@ fn passing(rows: &[Row]) -> usize {
 }
 
 fn table(adapter: &AdapterInfo, rows: &[Row], console: &mut Console<'_>) {
-    let width = rows.iter().map(|row| row.test.chars().count()).max().unwrap_or(0);
+    let width = rows.iter().map(|row| row.quantity.chars().count()).max().unwrap_or(0);
     console.print(format_args!("windswept {} on {adapter}", env!("CARGO_PKG_VERSION")));
     console.print(format_args!(
         "{:<width$}  {:>13}  {:>13}  {:>9}  {:<5}  pass",
@@ -56,7 +56,7 @@ fn table(adapter: &AdapterInfo, rows: &[Row], console: &mut Console<'_>) {
     for row in rows {
         console.print(format_args!(
             "{:<width$}  {:>13}  {:>13}  {:>9}  {:<5}  {}",
-            row.test,
+            row.quantity,
             number(row.expected),
             number(row.measured),
             format!("{:.1e}", row.tolerance),

@@ -21,12 +21,13 @@ fn validate_prints_one_document() {
     assert_eq!((ran.status.code(), &document["passed"]), (Some(0), &serde_json::Value::Bool(true)), "{ran:?}");
     assert_eq!(document["adapter"]["kind"], "software");
     assert_eq!(document["windswept"], env!("CARGO_PKG_VERSION"));
-    let has = |words: &str| rows.iter().any(|row| row["test"].as_str().is_some_and(|test| test.contains(words)));
+    let has =
+        |words: &str| rows.iter().any(|row| row["quantity"].as_str().is_some_and(|quantity| quantity.contains(words)));
     assert_eq!(["Poly6", "curled strand", "lattice"].map(has), [true, true, false], "{rows:#?}");
     for row in rows {
         let numbers = ["expected", "measured", "tolerance"].map(|key| row[key].is_f64());
         assert_eq!(numbers, [true; 3], "{row}");
-        assert!(row["test"].is_string() && row["unit"].is_string() && row["source"].is_string(), "{row}");
+        assert!(row["quantity"].is_string() && row["unit"].is_string() && row["source"].is_string(), "{row}");
     }
 }
 

@@ -60,6 +60,11 @@ impl Cloud {
         }
     }
 
+    /// A simple cubic lattice of `n` particles a side, each in the middle of its cell.
+    pub fn centred(n: usize) -> Self {
+        Self::lattice([n; 3], &[[0.5 - 0.125; 3]])
+    }
+
     /// A cube at rest density that holds `side`³ particles, anywhere in it.
     pub(crate) fn random(side: usize, seed: u64) -> Self {
         let mut rng = Pcg64::seed_from_u64(seed);
@@ -155,20 +160,30 @@ pub fn scene(keys: &str) -> Result<Scene, Error> {
 
 /// The air after a number of steps.
 pub(crate) fn run(gpu: &Gpu, scene: &Scene, cloud: &Cloud, steps: u64) -> Result<Cloud, Error> {
-    let mut simulation = Simulation::with_state(gpu, scene, cloud.initial())?;
-    simulation.step(steps)?;
-    Ok(cloud.of_frame(&simulation.frame()?.air))
+    Ok(cloud.of_frame(&ran(gpu, scene, cloud.initial(), steps)?.frame()?.air))
 }
 
-/// The vectors as f64.
-pub fn vectors(rows: &[[f32; 3]]) -> Vec<DVec3> {
-    rows.iter().map(|x| DVec3::from_array(x.map(f64::from))).collect()
+/// A simulation after a number of steps.
+pub(crate) fn ran(gpu: &Gpu, scene: &Scene, initial: InitialState, steps: u64) -> Result<Simulation, Error> {
+    let mut simulation = Simulation::with_state(gpu, scene, initial)?;
+    simulation.step(steps)?;
+    Ok(simulation)
+}
+
+/// The vectors as f64: the first three numbers of each row.
+pub fn vectors<const N: usize>(rows: &[[f32; N]]) -> Vec<DVec3> {
+    rows.iter().map(|x| DVec3::new(x[0].into(), x[1].into(), x[2].into())).collect()
 }
 
 /// The value that is farthest from `expected`; NaN if one is, or if there are none.
 pub(crate) fn farthest(values: impl IntoIterator<Item = f64>, expected: f64) -> f64 {
     let farther = |a: f64, b: f64| if b.is_nan() || (b - expected).abs() > (a - expected).abs() { b } else { a };
     values.into_iter().reduce(|a, b| if a.is_nan() { a } else { farther(a, b) }).unwrap_or(f64::NAN)
+}
+
+/// Root mean square of some values; NaN of none.
+pub fn rms(values: impl IntoIterator<Item = f64>) -> f64 {
+    mean(values.into_iter().map(|x| x * x)).sqrt()
 }
 
 /// Mean of some values; NaN of none.

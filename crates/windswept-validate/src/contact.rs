@@ -2,11 +2,11 @@
 
 use glam::{DQuat, DVec3, EulerRot};
 use windswept::{Gpu, Simulation};
-use windswept_scene::{Groom, InitialState, Scene, Shape, Solid, Triangles};
+use windswept_scene::{Groom, InitialState, Scene, SceneError, Shape, Solid, Triangles};
 
 use crate::{
     Error, Row,
-    air::{STEP, farthest, vectors},
+    air::{STEP, farthest, ran, vectors},
     rods::GRAVITY,
 };
 
@@ -41,6 +41,8 @@ const BETWEEN_SLIDES: &str =
     "g (sin - mu cos) t²/2, mu = 0.3, 70 steps, on the middles of segments; measured 0.12 % off; 2 % is allowed";
 const BETWEEN_STAYS: &str = "mu = 0.3 holds it, on the middles of segments; measured 6.6e-6 in 70 steps";
 
+/// Rings and sectors of a body's triangles.
+const FINE: [u32; 2] = [64, 128];
 /// Coefficient of friction μ.
 const FRICTION: f64 = 0.3;
 /// Radius of the bar \[m\].
@@ -48,12 +50,11 @@ const RADIUS: f64 = 0.05;
 
 /// Rows of hair on a slope, of hair over a ball, and of air about a ball; of slopes and balls given as meshes too.
 pub(crate) fn bodies(gpu: &Gpu) -> Result<Vec<Row>, Error> {
-    let mut rows = slope(gpu, 0.6)?;
-    rows.extend(slope(gpu, 0.29)?);
-    rows.extend(slope_of_mesh(gpu, 0.6)?);
-    rows.extend(slope_of_mesh(gpu, 0.29)?);
-    rows.extend(between(gpu, 0.6)?);
-    rows.extend(between(gpu, 0.29)?);
+    let mut rows = Vec::new();
+    for slide in [on_a_bar(), on_a_mesh()?, on_bars()] {
+        rows.extend(slide.rows(gpu, 0.6)?);
+        rows.extend(slide.rows(gpu, 0.29)?);
+    }
     rows.push(draped(gpu)?);
     rows.push(rested(gpu, "ball", Shape::Sphere { center: [0.0; 3], radius: 0.05 })?);
     let bone = Shape::Capsule { start: [-0.03, 0.0, -0.02], end: [0.05, 0.0, 0.03], radius: 0.05 };
@@ -64,24 +65,43 @@ pub(crate) fn bodies(gpu: &Gpu) -> Result<Vec<Row>, Error> {
 
 /// Rows of hair that comes to rest on bodies: over a capsule, and combed along the skin from roots below it.
 pub(crate) fn rests(gpu: &Gpu) -> Result<Vec<Row>, Error> {
-    let mut rows = vec![spread(gpu, 1.0)?];
+    let mut rows = vec![spread(gpu)?];
     rows.extend(combed(gpu)?);
     Ok(rows)
 }
 
-/// Rows of how far a loose strand slides along a bar, in a field of gravity of this slope.
-fn slope(gpu: &Gpu, slope: f64) -> Result<Vec<Row>, Error> {
-    let bar = Shape::Capsule { start: [-0.5, 0.0, 0.0], end: [0.5, 0.0, 0.0], radius: RADIUS };
-    let (expected, slid, off) = slide(gpu, slope, bar)?;
-    let (source, tolerance) = if expected > 0.0 { (SLIDES, 4e-4 * expected) } else { (STAYS, 2.6e-7) };
-    Ok(vec![
-        Row::new(format!("hair on a slope of {slope}: slides"), expected, slid, tolerance, source).in_unit("m"),
-        Row::new(format!("hair on a slope of {slope}: off the surface"), 0.0, off, 1.3e-8, TOUCHES).in_unit("m"),
-    ])
+/// A loose strand of three segments that lies on bodies in a field of gravity that slopes.
+struct Slide {
+    shapes: Vec<Shape>,
+    /// Keys of the strand, and its first point \[m\].
+    hair: &'static str,
+    first: DVec3,
+    steps: u64,
+    /// Distance of the strand from the surface, the depth in it, or 0 \[m\].
+    off: fn(&[DVec3]) -> f64,
+    /// Names of the row of how far it slides and of that of how far it is off, after and before the slope.
+    names: [&'static str; 3],
+    /// Tolerances: of what it slides, over it; where it stays \[m\]; of the distance from the surface \[m\].
+    tolerances: [f64; 3],
+    /// Their grounds.
+    sources: [&'static str; 3],
 }
 
-/// Rows of how far it slides on the face of a box of triangles, which stands askew in its file.
-fn slope_of_mesh(gpu: &Gpu, slope: f64) -> Result<Vec<Row>, Error> {
+fn on_a_bar() -> Slide {
+    Slide {
+        shapes: vec![Shape::Capsule { start: [-0.5, 0.0, 0.0], end: [0.5, 0.0, 0.0], radius: RADIUS }],
+        hair: "length = 0.03",
+        first: RADIUS * DVec3::Y,
+        steps: 200,
+        off: |x| farthest(x.iter().map(|x| x.y.hypot(x.z) - RADIUS), 0.0),
+        names: ["hair on a slope of", "slides", "off the surface"],
+        tolerances: [4e-4, 2.6e-7, 1.3e-8],
+        sources: [SLIDES, STAYS, TOUCHES],
+    }
+}
+
+/// On the face of a box of triangles, which stands askew in its file.
+fn on_a_mesh() -> Result<Slide, Error> {
     let askew = DQuat::from_euler(EulerRot::XYZ, 0.3, 0.5, -0.2);
     let half = DVec3::new(0.2, RADIUS, 0.04);
     let corner =
@@ -92,91 +112,76 @@ fn slope_of_mesh(gpu: &Gpu, slope: f64) -> Result<Vec<Row>, Error> {
         corners: squares.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
         ..Triangles::default()
     };
-    let block = Shape::Mesh(Solid::enclosed(surface, Some(8e-3))?).moved(|x| askew.inverse() * x);
-    let (expected, slid, off) = slide(gpu, slope, block)?;
-    let (source, tolerance) = if expected > 0.0 { (MESH_SLIDES, 2e-4 * expected) } else { (MESH_STAYS, 2.7e-7) };
-    Ok(vec![
-        Row::new(format!("hair on a mesh's slope of {slope}: slides"), expected, slid, tolerance, source).in_unit("m"),
-        Row::new(format!("hair on a mesh's slope of {slope}: off the surface"), 0.0, off, 1.1e-7, MESH_TOUCHES)
-            .in_unit("m"),
-    ])
+    Ok(Slide {
+        shapes: vec![Shape::Mesh(Solid::enclosed(surface, Some(8e-3))?).moved(|x| askew.inverse() * x)],
+        names: ["hair on a mesh's slope of", "slides", "off the surface"],
+        tolerances: [2e-4, 2.7e-7, 1.1e-7],
+        sources: [MESH_SLIDES, MESH_STAYS, MESH_TOUCHES],
+        ..on_a_bar()
+    })
 }
 
-/// How far Coulomb's law says that a loose strand slides along the upper side of a body, how far it did, and how far it
-/// is off that side \[m\].
-fn slide(gpu: &Gpu, slope: f64, shape: Shape) -> Result<(f64, f64, f64), Error> {
-    let (steps, angle) = (200, slope.atan());
-    let text = format!(
-        "interaction = {{ model = \"none\" }}\ngravity = [{}, {}, 0]\ntime = {{ step = {STEP}, duration = 1.0 }}\n\
-         rods.sleep = false\n\
-         [hair]\nstrands = 1\npoints = 4\nlength = 0.03\nroot = \"free\"\n\
-         roots = {{ center = [0, 0.052, 0], radius = 1e-3, direction = [1, 0, 0] }}\n\
-         [[body]]\ncenter = [0, 0, 0]\nradius = {RADIUS}\nfriction = {FRICTION}\n",
-        GRAVITY * angle.sin(),
-        -GRAVITY * angle.cos(),
-    );
-    let mut scene = Scene::parse(&text)?;
-    scene.bodies[0].shape = shape;
-    let mut initial = InitialState::new(&scene)?;
-    let hair = &mut initial.hair;
-    let onto = RADIUS * DVec3::Y - hair.positions[0];
-    hair.positions.iter_mut().for_each(|x| *x += onto);
-    let start = hair.positions.clone();
-    let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
-    simulation.step(steps)?;
-    let end = vectors(&simulation.frame()?.hair.positions);
-    let moved: Vec<DVec3> = end.iter().zip(&start).map(|(end, start)| *end - *start).collect();
-    let t = steps as f64 * STEP;
-    let pull = GRAVITY * (angle.sin() - FRICTION * angle.cos()).max(0.0);
-    let expected = 0.5 * pull * t * t;
-    let slid = farthest(moved.iter().map(|way| way.x), expected);
-    let off = farthest(end.iter().map(|x| x.y.hypot(x.z) - RADIUS), 0.0);
-    Ok((expected, slid, off))
-}
-
-/// Rows of how far a loose strand of three segments of 30 mm slides that lies on two bars of 10 mm with the middles of
-/// the outer two, in a field of gravity of this slope, and of how deep a segment is in a bar then.
-fn between(gpu: &Gpu, slope: f64) -> Result<Vec<Row>, Error> {
-    let (steps, angle, radius) = (70, slope.atan(), 0.005);
-    let bar = |x: f64| {
-        format!(
-            "[[body]]\nname = \"bar at {x}\"\nshape = \"capsule\"\nstart = [{x}, 0, -0.02]\nend = [{x}, 0, 0.02]\nradius = {radius}\nfriction = {FRICTION}\n"
-        )
-    };
-    let text = format!(
-        "interaction = {{ model = \"none\" }}\ngravity = [{}, {}, 0]\ntime = {{ step = {STEP}, duration = 1.0 }}\n\
-         rods.sleep = false\n\
-         [hair]\nstrands = 1\npoints = 4\nlength = 0.09\nradius = 2e-4\nroot = \"free\"\n\
-         roots = {{ center = [0, 0.052, 0], radius = 1e-3, direction = [1, 0, 0] }}\n{}{}",
-        GRAVITY * angle.sin(),
-        -GRAVITY * angle.cos(),
-        bar(-0.03),
-        bar(0.03),
-    );
-    let scene = Scene::parse(&text)?;
-    let mut initial = InitialState::new(&scene)?;
-    let hair = &mut initial.hair;
-    let onto = DVec3::new(-0.045, radius, 0.0) - hair.positions[0];
-    hair.positions.iter_mut().for_each(|x| *x += onto);
-    let start = hair.positions.clone();
-    let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
-    let mut off: f64 = 0.0;
-    for _ in 0..steps {
-        simulation.step(1)?;
-        let x = vectors(&simulation.frame()?.hair.positions);
-        let depth = |bar: f64| radius - x.windows(2).map(|ends| to_segment(DVec3::X * bar, ends)).fold(1.0, f64::min);
-        off = off.max(depth(-0.03)).max(depth(0.03));
+/// On two bars of 10 mm, with the middles of the outer two segments.
+fn on_bars() -> Slide {
+    const THIN: f64 = 0.005;
+    let bar = |x| Shape::Capsule { start: [x, 0.0, -0.02], end: [x, 0.0, 0.02], radius: THIN };
+    Slide {
+        shapes: [-0.03, 0.03].map(bar).to_vec(),
+        hair: "length = 0.09\nradius = 2e-4",
+        first: DVec3::new(-0.045, THIN, 0.0),
+        steps: 70,
+        off: |x| {
+            let nearest = |bar| x.windows(2).map(|ends| to_segment(DVec3::X * bar, ends)).fold(1.0, f64::min);
+            (THIN - nearest(-0.03)).max(THIN - nearest(0.03)).max(0.0)
+        },
+        names: ["segments on bars that slope", "slide", "deepest place"],
+        tolerances: [0.02, 1e-5, 1e-5],
+        sources: [BETWEEN_SLIDES, BETWEEN_STAYS, BETWEEN],
     }
-    let end = vectors(&simulation.frame()?.hair.positions);
-    let t = steps as f64 * STEP;
-    let pull = GRAVITY * (angle.sin() - FRICTION * angle.cos()).max(0.0);
-    let expected = 0.5 * pull * t * t;
-    let slid = farthest(end.iter().zip(&start).map(|(end, start)| end.x - start.x), expected);
-    let (source, tolerance) = if expected > 0.0 { (BETWEEN_SLIDES, 0.02 * expected) } else { (BETWEEN_STAYS, 1e-5) };
-    Ok(vec![
-        Row::new(format!("segments on bars that slope {slope}: slide"), expected, slid, tolerance, source).in_unit("m"),
-        Row::new(format!("segments on bars that slope {slope}: deepest place"), 0.0, off, 1e-5, BETWEEN).in_unit("m"),
-    ])
+}
+
+impl Slide {
+    /// Rows of how far the strand slides by Coulomb's law on this slope, and of how far it is off the surface.
+    fn rows(&self, gpu: &Gpu, slope: f64) -> Result<[Row; 2], Error> {
+        let angle = slope.atan();
+        let body = |k: usize| {
+            format!("[[body]]\nname = \"{k}\"\ncenter = [0, 0, 0]\nradius = {RADIUS}\nfriction = {FRICTION}\n")
+        };
+        let text = format!(
+            "interaction = {{ model = \"none\" }}\ngravity = [{}, {}, 0]\ntime = {{ step = {STEP}, duration = 1.0 }}\n\
+             rods.sleep = false\n\
+             [hair]\nstrands = 1\npoints = 4\n{}\nroot = \"free\"\n\
+             roots = {{ center = [0, 0.052, 0], radius = 1e-3, direction = [1, 0, 0] }}\n{}",
+            GRAVITY * angle.sin(),
+            -GRAVITY * angle.cos(),
+            self.hair,
+            (0..self.shapes.len()).map(body).collect::<String>(),
+        );
+        let mut scene = Scene::parse(&text)?;
+        scene.bodies.iter_mut().zip(&self.shapes).for_each(|(body, shape)| body.shape = shape.clone());
+        let mut initial = InitialState::new(&scene)?;
+        let onto = self.first - initial.hair.positions[0];
+        initial.hair.positions.iter_mut().for_each(|x| *x += onto);
+        let start = initial.hair.positions.clone();
+        let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
+        let (mut end, mut off) = (Vec::new(), Vec::new());
+        for _ in 0..self.steps {
+            simulation.step(1)?;
+            end = vectors(&simulation.frame()?.hair.positions);
+            off.push((self.off)(&end));
+        }
+        let t = self.steps as f64 * STEP;
+        let expected = 0.5 * GRAVITY * (angle.sin() - FRICTION * angle.cos()).max(0.0) * t * t;
+        let slid = farthest(end.iter().zip(&start).map(|(end, start)| end.x - start.x), expected);
+        let ([name, slides, surface], [part, stays, touches]) = (self.names, self.tolerances);
+        let (tolerance, source) =
+            if expected > 0.0 { (part * expected, self.sources[0]) } else { (stays, self.sources[1]) };
+        Ok([
+            Row::new(format!("{name} {slope}: {slides}"), expected, slid, tolerance, source).in_unit("m"),
+            Row::new(format!("{name} {slope}: {surface}"), 0.0, farthest(off, 0.0), touches, self.sources[2])
+                .in_unit("m"),
+        ])
+    }
 }
 
 /// Distance of a point from a segment \[m\].
@@ -243,42 +248,42 @@ fn draped(gpu: &Gpu) -> Result<Row, Error> {
 
 /// Row of how far from one another a strand comes to rest on a body, as it is and as triangles.
 fn rested(gpu: &Gpu, name: &str, shape: Shape) -> Result<Row, Error> {
-    let mesh = Shape::Mesh(Solid::enclosed(shape.surface(64, 128), Some(2e-3))?);
-    let at_rest = |shape| {
-        let mut scene = Scene::parse(RESTING)?;
-        scene.bodies[0].shape = shape;
-        rest(gpu, name, &scene, InitialState::new(&scene)?, 600)
-    };
-    let (round, meshed) = (at_rest(shape)?, at_rest(mesh)?);
-    let apart = farthest(round.iter().zip(&meshed).map(|(a, b)| a.distance(*b)), 0.0);
+    let apart = apart_on_a_mesh(gpu, name, shape, 600, InitialState::new)?;
     Ok(Row::new(format!("hair on a {name}: at rest on a mesh of it, apart"), 0.0, apart, 2e-4, RESTED).in_unit("m"))
 }
 
 /// Row of how far from one another strands come to rest that fall over a capsule, along it and askew.
-fn spread(gpu: &Gpu, friction: f64) -> Result<Row, Error> {
+fn spread(gpu: &Gpu) -> Result<Row, Error> {
     let bone = Shape::Capsule { start: [-0.03, 0.0, 0.01], end: [0.03, 0.01, -0.01], radius: 0.03 };
-    let mesh = Shape::Mesh(Solid::enclosed(bone.surface(64, 128), Some(2e-3))?);
     let strand = |s: u32| {
         let (sin, cos) = (f64::from(s) * 0.5 * std::f64::consts::FRAC_PI_3).sin_cos();
         let along = DVec3::new(cos, 0.0, sin);
         (0..25).map(move |k| (0.045 * DVec3::Y + (0.002 + 0.005 * f64::from(k)) * along).to_array())
     };
     let groom = Groom::new((0..3).flat_map(strand).collect(), (0..=3).map(|s| 25 * s).collect());
-    let name = format!("strands over a capsule with friction {friction}");
-    let at_rest = |shape| {
-        let mut scene = Scene::parse(RESTING)?;
-        (scene.bodies[0].shape, scene.bodies[0].friction) = (shape, friction);
-        rest(gpu, &name, &scene, InitialState::with_groom(&scene, &groom)?, SPREAD_STEPS)
-    };
-    let (round, meshed) = (at_rest(bone)?, at_rest(mesh)?);
-    let apart = farthest(round.iter().zip(&meshed).map(|(a, b)| a.distance(*b)), 0.0);
+    let name = "strands over a capsule with friction 1";
+    let apart = apart_on_a_mesh(gpu, name, bone, SPREAD_STEPS, |scene| InitialState::with_groom(scene, &groom))?;
     Ok(Row::new(format!("{name}: at rest on a mesh of it, apart"), 0.0, apart, 2e-4, SPREAD).in_unit("m"))
+}
+
+/// Largest distance between the places where a point comes to rest on a body as it is, and as triangles \[m\].
+fn apart_on_a_mesh(
+    gpu: &Gpu,
+    name: &str,
+    shape: Shape,
+    steps: u64,
+    start: impl Fn(&Scene) -> Result<InitialState, SceneError>,
+) -> Result<f64, Error> {
+    let mut scene = Scene::parse(RESTING)?;
+    scene.bodies[0].shape = shape;
+    let at_rest = |scene: &Scene| rest(gpu, name, scene, start(scene)?, steps);
+    let (round, meshed) = (at_rest(&scene)?, at_rest(&meshed(&scene, FINE, 2e-3)?)?);
+    Ok(farthest(round.iter().zip(&meshed).map(|(a, b)| a.distance(*b)), 0.0))
 }
 
 /// Where strands come to rest on a body \[m\].
 fn rest(gpu: &Gpu, name: &str, scene: &Scene, initial: InitialState, steps: u64) -> Result<Vec<DVec3>, Error> {
-    let mut simulation = Simulation::with_state(gpu, scene, initial)?;
-    simulation.step(steps)?;
+    let simulation = ran(gpu, scene, initial, steps)?;
     let frame = simulation.frame()?;
     let fastest = farthest(vectors(&frame.hair.velocities).iter().map(|v| v.length()), 0.0);
     if fastest > RESTS {
@@ -302,14 +307,19 @@ radius = 0.04
 center = [0, 0, 0]
 ";
 
+/// The scene with its body as so many rings and sectors of triangles, in a grid of this spacing \[m\].
+pub(crate) fn meshed(scene: &Scene, [rings, sectors]: [u32; 2], spacing: f64) -> Result<Scene, Error> {
+    let mut scene = scene.clone();
+    let body = &mut scene.bodies[0];
+    body.shape = Shape::Mesh(Solid::enclosed(body.shape.surface(rings, sectors), Some(spacing))?);
+    Ok(scene)
+}
+
 /// Rows of how fast strands still are that are rooted below the surface of a ball and combed along it, on the ball and
 /// on triangles.
 fn combed(gpu: &Gpu) -> Result<[Row; 2], Error> {
     let scene = Scene::parse(COMBED)?;
-    let mut meshed = scene.clone();
-    let body = &mut meshed.bodies[0];
-    body.shape = Shape::Mesh(Solid::enclosed(body.shape.surface(64, 128), Some(2e-3))?);
-    Ok([combing(gpu, "ball", &scene)?, combing(gpu, "mesh", &meshed)?])
+    Ok([combing(gpu, "ball", &scene)?, combing(gpu, "mesh", &meshed(&scene, FINE, 2e-3)?)?])
 }
 
 fn combing(gpu: &Gpu, name: &str, scene: &Scene) -> Result<Row, Error> {
@@ -320,8 +330,7 @@ fn combing(gpu: &Gpu, name: &str, scene: &Scene) -> Result<Row, Error> {
         (0..21).map(move |k| ((0.04 - depth) * DVec3::Y + 0.005 * f64::from(k) * along).to_array())
     };
     let groom = Groom::new(starts.flat_map(strand).collect(), (0..=9).map(|s| 21 * s).collect());
-    let mut simulation = Simulation::with_state(gpu, scene, InitialState::with_groom(scene, &groom)?)?;
-    simulation.step(900)?;
+    let simulation = ran(gpu, scene, InitialState::with_groom(scene, &groom)?, 900)?;
     let speed = farthest(vectors(&simulation.frame()?.hair.velocities).iter().map(|v| v.length()), 0.0);
     let title = format!("hair rooted in a {name}, combed along it: speed in the end");
     Ok(Row::new(title, 0.0, speed, RESTS_COMBED, COMBED_RESTS).in_unit("m/s"))
@@ -346,10 +355,8 @@ motion = [{ time = 0.0 }, { time = 0.1, translation = [-0.01, 0, 0] }]
 /// Rows of the air nearest to a ball, as it is and as triangles.
 fn passed(gpu: &Gpu) -> Result<[Row; 2], Error> {
     let scene = Scene::parse(PASSED)?;
-    let mut meshed = scene.clone();
-    let body = &mut meshed.bodies[0];
-    body.shape = Shape::Mesh(Solid::enclosed(body.shape.surface(64, 128), Some(5e-4))?);
-    Ok([passing(gpu, "ball", &scene, 1.7e-8, BESIDE)?, passing(gpu, "mesh", &meshed, 5e-7, BESIDE_MESH)?])
+    let mesh = meshed(&scene, FINE, 5e-4)?;
+    Ok([passing(gpu, "ball", &scene, 1.7e-8, BESIDE)?, passing(gpu, "mesh", &mesh, 5e-7, BESIDE_MESH)?])
 }
 
 fn passing(gpu: &Gpu, name: &str, scene: &Scene, tolerance: f64, source: &'static str) -> Result<Row, Error> {

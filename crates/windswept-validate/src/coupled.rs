@@ -8,7 +8,7 @@ use windswept_shaders::common::rod::RodPoint;
 
 use crate::{
     Error, Row,
-    air::{STEP, vectors},
+    air::{STEP, ran, vectors},
 };
 
 const DRAG: &str = "no formula: measured, 12 strands of 60 mm in a stream of 3 m/s, 41 ms; the tolerance keeps it \
@@ -70,8 +70,7 @@ fn loose(gpu: &Gpu, solver: FluidSolver, drag: f64, balance: f64) -> Result<Vec<
     }
     let masses: Vec<f64> = hair.inverse_mass.iter().map(|w| 1.0 / w).collect();
     let air_mass = initial.air.mass;
-    let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
-    simulation.step(STEPS)?;
+    let simulation = ran(gpu, &scene, initial, STEPS)?;
     let frame = simulation.frame()?;
 
     let hair: Vec<DVec3> = vectors(&frame.hair.velocities).iter().zip(&masses).map(|(v, m)| *m * *v).collect();

@@ -400,9 +400,8 @@ fn kept(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     for _ in 0..STEPS {
         simulation.step(1)?;
         let engine = simulation.engine();
-        let impulses = engine.read(&engine.state().drag_impulse)?;
-        for (j, air) in impulses.iter().zip(engine.read(&engine.state().sampled)?) {
-            let j = DVec3::new(j[0].into(), j[1].into(), j[2].into());
+        let impulses = vectors(&engine.read(&engine.state().drag_impulse)?);
+        for (j, air) in impulses.into_iter().zip(engine.read(&engine.state().sampled)?) {
             given += f64::from(2.0 * air.filled).min(1.0) * j;
             size += j.length();
         }

@@ -6,7 +6,7 @@ use windswept_scene::Fluid;
 
 use crate::{
     Error, Row,
-    air::{Cloud, REST_DENSITY, SIMPLE},
+    air::{self, Cloud, REST_DENSITY, SIMPLE},
 };
 
 const TABLE: &str = "windswept_reference::tables, another jitter; mean of 4 draws measured at most 4 % off, \
@@ -42,8 +42,7 @@ fn rms(gpu: &Gpu, fluid: Option<&Fluid>) -> Result<f64, Error> {
             cloud.positions = moved.iter().map(|x| x.map(f64::from)).collect();
         }
         let density = cloud.particles().density(gpu)?;
-        let squares: f64 = density.iter().map(|rho| (f64::from(*rho) / REST_DENSITY - 1.0).powi(2)).sum();
-        sum += (squares / density.len() as f64).sqrt();
+        sum += air::rms(density.iter().map(|rho| f64::from(*rho) / REST_DENSITY - 1.0));
     }
     Ok(sum / DRAWS as f64)
 }

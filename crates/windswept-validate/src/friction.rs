@@ -7,7 +7,7 @@ use windswept_shaders::common::rod::SLEEPS;
 
 use crate::{
     Error, Row,
-    air::{STEP, mean, vectors},
+    air::{STEP, mean, ran, vectors},
     exchange::MOMENTUM,
     rods::GRAVITY,
     runner::Runner,
@@ -153,8 +153,7 @@ fn lies(gpu: &Gpu, strands: usize, [before, watched]: [f64; 2]) -> Result<Vec<Ro
     for s in 0..strands {
         put(&mut initial, bed + s, DVec3::new(0.0, 3e-3, GAP * (2.5 + s as f64)));
     }
-    let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
-    simulation.step((before / simulation.dt()).round() as u64)?;
+    let mut simulation = ran(gpu, &scene, initial, (before / scene.time.step).round() as u64)?;
     let settled = vectors(&simulation.frame()?.hair.positions);
     simulation.step((watched / simulation.dt()).round() as u64)?;
     let engine = simulation.engine();

@@ -259,6 +259,5 @@ pub(crate) fn limits(gpu: &Gpu) -> Result<Vec<Row>, Error> {
 /// Impulse that the air gave the hair in the last step \[N s\].
 fn force(simulation: &Simulation) -> Result<DVec3, Error> {
     let engine = simulation.engine();
-    let impulses = engine.read(&engine.state().drag_impulse)?;
-    Ok(impulses.iter().map(|j| DVec3::new(j[0].into(), j[1].into(), j[2].into())).sum())
+    Ok(vectors(&engine.read(&engine.state().drag_impulse)?).into_iter().sum())
 }

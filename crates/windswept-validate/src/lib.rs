@@ -31,18 +31,22 @@ mod walls;
 mod whole;
 mod wind;
 
-pub use row::Row;
+pub use row::{Role, Row, Sweep};
 
 /// Air and strands that the repository's tests and benches measure on as well; they may change in any version.
 #[doc(hidden)]
 pub mod internals {
     pub use crate::{
-        air::{Cloud, MASS, RADIUS, REST_DENSITY, SIMPLE, STEP, VOLUME, scene as air_scene, vectors, waves},
+        air::{Cloud, MASS, RADIUS, REST_DENSITY, SIMPLE, STEP, VOLUME, rms, scene as air_scene, vectors, waves},
         exchange::{STRIP_BLOCKAGE, in_strip, through},
         pressure::{energy_left, stirred},
-        rods::{BEND_OVER_TWIST, GRAVITY, LENGTH, LINE_DENSITY, Rod, STRETCH, build, mode, scene as rods_scene, tips},
+        rods::{
+            BEND_OVER_TWIST, GRAVITY, Hanging, LENGTH, LINE_DENSITY, Rod, SEGMENTS, STRETCH, build, mode,
+            scene as rods_scene, tips,
+        },
         stress::chain_tip,
         vortex::circulation_kept,
+        walls::Tunnel,
     };
 }
 

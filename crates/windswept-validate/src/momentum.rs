@@ -9,7 +9,7 @@ use windswept_shaders::common::integration::BDF2;
 
 use crate::{
     Error, Row,
-    air::{self, Cloud, SIMPLE, vectors},
+    air::{self, Cloud, SIMPLE, ran, vectors},
     coupled::{lasting, windless},
 };
 
@@ -95,11 +95,11 @@ pub(crate) fn exchanged(simulation: &mut Simulation, steps: u64) -> Result<(DVec
         let end = velocities(simulation)?;
         let points = engine.read(&engine.state().rod_points)?;
         let sampled = engine.read(&engine.state().sampled)?;
-        let impulses = engine.read(&engine.state().drag_impulse)?;
+        let impulses = vectors(&engine.read(&engine.state().drag_impulse)?);
         for (i, mass) in hair_mass.iter().enumerate() {
             let (now, earlier) = (end.0[i] - start.0[i], end.1[i] - start.1[i]);
             change += *mass * if points[i].scheme == BDF2 { 1.5 * now - 0.5 * earlier } else { now };
-            let impulse = DVec3::new(impulses[i][0].into(), impulses[i][1].into(), impulses[i][2].into());
+            let impulse = impulses[i];
             exchanged += impulse.length();
             // Where air is thin, the mean wind gives part of the impulse, and air particles do not.
             change -= impulse * (1.0 - f64::from(2.0 * sampled[i].filled)).max(0.0);
@@ -157,8 +157,7 @@ fn hair_in_air(gpu: &Gpu) -> Result<Row, Error> {
         (all.iter().sum(), all.iter().map(|p| p.length()).sum())
     };
     let (before, _) = each(&initial.hair.velocities, &initial.air.velocities);
-    let mut simulation = Simulation::with_state(gpu, &scene, initial.clone())?;
-    simulation.step(STEPS)?;
+    let simulation = ran(gpu, &scene, initial.clone(), STEPS)?;
     let (after, whole) = each(&vectors(&simulation.frame()?.hair.velocities), &lasting(&simulation)?);
     Ok(Row::new(
         "closed box of air and hair: change of momentum in 100 steps",
@@ -173,8 +172,7 @@ fn hair_in_air(gpu: &Gpu) -> Result<Row, Error> {
 pub(crate) fn air_alone(gpu: &Gpu, solver: FluidSolver, steps: u64, tolerance: f64) -> Result<Row, Error> {
     let cloud = Cloud::lattice([10; 3], SIMPLE).jittered(0.1, 5).stirred(0.3, 5);
     let scene = air::scene(&format!("fluid.solver = \"{}\"", solver.word()))?;
-    let mut simulation = Simulation::with_state(gpu, &scene, cloud.initial())?;
-    simulation.step(steps)?;
+    let simulation = ran(gpu, &scene, cloud.initial(), steps)?;
     let after = lasting(&simulation)?;
     let change: DVec3 = after.iter().zip(&cloud.velocities).map(|(v, start)| *v - DVec3::from_array(*start)).sum();
     let whole: f64 = cloud.velocities.iter().map(|v| DVec3::from_array(*v).length()).sum();

@@ -5,12 +5,12 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use windswept::{Gpu, Simulation, ops::Filter};
+use windswept::{Gpu, ops::Filter};
 use windswept_scene::{Fluid, FluidSolver, InitialState, Scene};
 
 use crate::{
     Error, Row,
-    air::{self, Cloud, SIMPLE, STEP, mean, spacing, vectors},
+    air::{self, Cloud, SIMPLE, STEP, mean, ran, spacing, vectors},
     momentum,
 };
 
@@ -27,7 +27,7 @@ const FILLED: &str =
 const IMPULSE: &str = "Newton: no more and no less than what was given; f32";
 
 /// A Taylor-Green flow of one period along x and y: u = U sin kx cos ky, v = −U cos kx sin ky.
-struct Vortices {
+pub(crate) struct Vortices {
     /// Particles along a period.
     across: usize,
     /// Particles along z.
@@ -47,6 +47,10 @@ const MELTED: Vortices = Vortices { across: 16, deep: 6, speed: 0.3, carried: 0.
 /// A flow that starts on a lattice but for a little.
 const FRESH: Vortices = Vortices { across: 24, deep: 8, speed: 0.3, carried: 0.0, jitter: 0.05, settling: 0 };
 
+/// A flow so slow that XSPH far outweighs what the solver itself takes, on a lattice that has come to rest.
+pub(crate) const SLOW: Vortices =
+    Vortices { across: 24, deep: 6, speed: 0.02, carried: 0.0, jitter: 0.0, settling: 80 };
+
 /// The wind \[m/s\].
 const WIND: DVec3 = DVec3::new(3.0, 0.0, 0.0);
 
@@ -62,11 +66,10 @@ fn scene(fluid: &Fluid, substeps: u32) -> Result<Scene, Error> {
 }
 
 impl Vortices {
-    /// Energy that is left after `time` \[s\], of that at the start.
-    fn left(&self, gpu: &Gpu, fluid: &Fluid, substeps: u32, time: f64) -> Result<f64, Error> {
+    /// Energy that is left in a scene after `time` \[s\], of that at the start.
+    fn left(&self, gpu: &Gpu, scene: &Scene, time: f64) -> Result<f64, Error> {
         let cloud = Cloud::lattice([self.across, self.across, self.deep], SIMPLE).jittered(self.jitter, 7);
-        let mut simulation = Simulation::with_state(gpu, &scene(fluid, substeps)?, cloud.initial())?;
-        simulation.step(self.settling)?;
+        let mut simulation = ran(gpu, scene, cloud.initial(), self.settling)?;
         let settled = cloud.of_frame(&simulation.frame()?.air);
         let k = TAU / cloud.size.x;
         let carried = DVec3::X * self.carried;
@@ -81,6 +84,12 @@ impl Vortices {
         Ok(energy(&vectors(&simulation.frame()?.air.velocities)) / energy(&velocities))
     }
 
+    /// Viscosity by which the energy decays in a scene, e^(−4νk²t) \[m²/s\].
+    pub(crate) fn viscosity(&self, gpu: &Gpu, scene: &Scene, time: f64) -> Result<f64, Error> {
+        let k = TAU / (self.across as f64 * spacing());
+        Ok(-self.left(gpu, scene, time)?.ln() / (4.0 * k * k * time))
+    }
+
     /// Time of one turnover \[s\].
     fn turnover(&self) -> f64 {
         self.across as f64 * spacing() / self.speed
@@ -91,9 +100,9 @@ impl Vortices {
 pub(crate) fn rows(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let fluid = &air::scene("")?.fluid;
     let turnover = MELTED.turnover();
-    let one = MELTED.left(gpu, fluid, 1, turnover)?;
+    let one = MELTED.left(gpu, &scene(fluid, 1)?, turnover)?;
     let mut rows = vec![Row::new("Taylor-Green, 16 d, 1 substep: energy after a turnover", 0.97, one, 0.03, IDEAL)];
-    let carried = Vortices { carried: 3.0, ..MELTED }.left(gpu, fluid, 1, turnover)?;
+    let carried = Vortices { carried: 3.0, ..MELTED }.left(gpu, &scene(fluid, 1)?, turnover)?;
     rows.push(Row::new(
         "Taylor-Green, 16 d, carried by 3 m/s: energy off that at rest",
         0.0,
@@ -101,9 +110,7 @@ pub(crate) fn rows(gpu: &Gpu) -> Result<Vec<Row>, Error> {
         5e-3,
         GALILEO,
     ));
-    let time = 0.276;
-    let k = TAU / (FRESH.across as f64 * spacing());
-    let viscosity = -FRESH.left(gpu, fluid, 1, time)?.ln() / (4.0 * k * k * time);
+    let viscosity = FRESH.viscosity(gpu, &scene(fluid, 1)?, 0.276)?;
     rows.push(
         Row::new("Taylor-Green, 24 d: viscosity of the solver", 5e-6, viscosity, 5e-6, NUMERICAL).in_unit("m²/s"),
     );
@@ -123,7 +130,7 @@ pub(crate) fn rows(gpu: &Gpu) -> Result<Vec<Row>, Error> {
 pub(crate) fn limits(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let fluid = &air::scene("")?.fluid;
     let turnover = MELTED.turnover();
-    let left = |substeps: u32| MELTED.left(gpu, fluid, substeps, turnover);
+    let left = |substeps: u32| MELTED.left(gpu, &scene(fluid, substeps)?, turnover);
     let (four, eight, sixteen) = (left(4)?, left(8)?, left(16)?);
     let large = Vortices { across: 64, deep: 6, speed: 3.0, ..MELTED };
     let mut rows = vec![
@@ -133,7 +140,7 @@ pub(crate) fn limits(gpu: &Gpu) -> Result<Vec<Row>, Error> {
         Row::new(
             "Taylor-Green, 64 d, 3 m/s: energy after a turnover",
             0.94,
-            large.left(gpu, fluid, 1, large.turnover())?,
+            large.left(gpu, &scene(fluid, 1)?, large.turnover())?,
             0.06,
             IDEAL,
         ),
@@ -153,8 +160,7 @@ pub(crate) fn limits(gpu: &Gpu) -> Result<Vec<Row>, Error> {
 /// Row of the rms of the velocities of jittered air off a uniform wind \[m/s\].
 fn uniform(gpu: &Gpu, fluid: &Fluid, substeps: u32) -> Result<Row, Error> {
     let cloud = Cloud::lattice([8; 3], SIMPLE).jittered(0.2, 7).moving(|_| WIND);
-    let mut simulation = Simulation::with_state(gpu, &scene(fluid, substeps)?, cloud.initial())?;
-    simulation.step(600_u64.div_ceil(substeps.into()))?;
+    let simulation = ran(gpu, &scene(fluid, substeps)?, cloud.initial(), 600_u64.div_ceil(substeps.into()))?;
     let v = vectors(&simulation.frame()?.air.velocities);
     let noise = mean(v.iter().map(|v| (*v - WIND).length_squared())).sqrt();
     let name = format!("uniform wind of 3 m/s, {substeps} substeps, 600 in all: rms of the velocity off it");
@@ -174,8 +180,7 @@ fn filled(gpu: &Gpu, fluid: &Fluid) -> Result<f64, Error> {
     cloud.velocities.truncate(cloud.positions.len());
     let mut initial = cloud.initial();
     initial.air.volume = size.element_product() / cloud.positions.len() as f64;
-    let mut simulation = Simulation::with_state(gpu, &scene(fluid, 1)?, initial.clone())?;
-    simulation.step((0.070 / STEP).round() as u64)?;
+    let simulation = ran(gpu, &scene(fluid, 1)?, initial.clone(), (0.070 / STEP).round() as u64)?;
     let moved = center + WIND * simulation.time();
     let within = cloud.of_frame(&simulation.frame()?.air).positions.iter().filter(|x| off(x, moved) < radius).count();
     Ok(within as f64 * initial.air.volume / (4.0 / 3.0 * std::f64::consts::PI * radius.powi(3)))
@@ -186,8 +191,7 @@ fn blow(gpu: &Gpu, fluid: &Fluid) -> Result<f64, Error> {
     let cloud = Cloud::lattice([12; 3], SIMPLE).jittered(0.05, 7);
     let mut initial: InitialState = cloud.initial();
     initial.air.velocities[100] = DVec3::X;
-    let mut simulation = Simulation::with_state(gpu, &scene(fluid, 1)?, initial)?;
-    simulation.step(20)?;
+    let simulation = ran(gpu, &scene(fluid, 1)?, initial, 20)?;
     let sum: DVec3 = vectors(&simulation.frame()?.air.velocities).into_iter().sum();
     Ok((sum - DVec3::X).length())
 }
@@ -222,7 +226,7 @@ fn swirling(cloud: Cloud, speed: f64) -> Cloud {
 
 /// Energy of vortices of 16 spacings and 0.3 m/s after a turnover, of that at the start.
 pub fn energy_left(gpu: &Gpu, fluid: &Fluid, substeps: u32) -> Result<f64, Error> {
-    MELTED.left(gpu, fluid, substeps, MELTED.turnover())
+    MELTED.left(gpu, &scene(fluid, substeps)?, MELTED.turnover())
 }
 
 /// Energy of the bands of `SCALES` in a box that was stirred to 0.5 m/s rms, after 0.12 s \[m²/s²\].
@@ -230,8 +234,7 @@ pub fn stirred(gpu: &Gpu, fluid: &Fluid, substeps: u32) -> Result<[f64; 3], Erro
     let cloud = swirling(Cloud::lattice([16; 3], SIMPLE).jittered(0.2, 7), 0.5);
     let mut scene = scene(fluid, substeps)?;
     scene.viscosity.air = 0.014;
-    let mut simulation = Simulation::with_state(gpu, &scene, cloud.initial())?;
-    simulation.step((0.12 / STEP).round() as u64)?;
+    let simulation = ran(gpu, &scene, cloud.initial(), (0.12 / STEP).round() as u64)?;
     let after = cloud.of_frame(&simulation.frame()?.air);
     let band = |scale: f64| -> Result<f64, Error> {
         let band = vectors(&after.particles().band_velocity(gpu, scale, Filter::Direct { cutoff: 4.5 })?);

@@ -9,7 +9,7 @@ use windswept_scene::{InitialState, Scene};
 
 use crate::{
     Error, Row,
-    air::{farthest, vectors},
+    air::{farthest, ran, vectors},
 };
 
 const TIP: &str = "windswept_reference::tables; 34 segments by themselves are 1e-4 to 2.1e-3 off (elastica), 6e-4 (helix); \
@@ -20,7 +20,7 @@ const BEAM: &str = "(beta L)²/(2 pi L²) sqrt(EI/rho A); tip 2 % of L, 1.38 ms:
 const FALL: &str = "-g (t²/2 + 3/4 dt²): BDF2 is exact but for its first step, Euler's; measured 3e-8 off";
 
 /// Segments of a strand.
-const SEGMENTS: usize = 34;
+pub const SEGMENTS: usize = 34;
 /// Length of a strand \[m\].
 pub const LENGTH: f64 = 0.35;
 /// Line density ρA of a hair of 40 µm radius and 1320 kg/m³ \[kg/m\].
@@ -135,8 +135,7 @@ pub(crate) fn at_rest(gpu: &Gpu) -> Result<Vec<Row>, Error> {
         table.iter().find(|row| row.gamma == 0.0).ok_or_else(|| Error::Missing("helix.csv: gamma 0".to_owned()))?;
     let (scene, initial) = built(&[Rod { gamma: 10.0, ..Rod::helix(row, SEGMENTS) }], step, 0.0, 0.0)?;
     let start = initial.hair.positions.clone();
-    let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
-    simulation.step(steps)?;
+    let simulation = ran(gpu, &scene, initial, steps)?;
     let frame = simulation.frame()?;
     let moved = vectors(&frame.hair.positions).into_iter().zip(start).map(|(x, start)| (x - start).length() / LENGTH);
     let off = tips(&frame.hair).into_iter().map(|tip| (tip - row.tip).length());
@@ -148,22 +147,52 @@ pub(crate) fn at_rest(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     ])
 }
 
+/// A strand and the place of its tip where it hangs still.
+#[derive(Debug, Clone)]
+pub struct Hanging {
+    /// The curve that it hangs in, in words.
+    pub name: String,
+    /// The strand.
+    pub rod: Rod,
+    /// Tip from root \[L\].
+    pub tip: DVec3,
+}
+
+impl Hanging {
+    /// Straight strands that are clamped level, of these γ (cantilever.csv).
+    #[must_use]
+    pub fn elasticas(gammas: &[f64]) -> Vec<Self> {
+        let rows = tables::cantilever().into_iter().filter(|row| gammas.contains(&row.gamma));
+        rows.map(|row| Self {
+            name: format!("elastica γ = {}", row.gamma),
+            rod: Rod::level(row.gamma, SEGMENTS),
+            tip: DVec3::new(row.tip, -row.drop, 0.0),
+        })
+        .collect()
+    }
+
+    /// Helical strands (helix.csv).
+    #[must_use]
+    pub fn helices() -> Vec<Self> {
+        let rows = tables::helix().into_iter().filter(|row| row.gamma > 0.0);
+        rows.map(|row| Self {
+            name: format!("helix γ = {}", row.gamma), rod: Rod::helix(&row, SEGMENTS), tip: row.tip
+        })
+        .collect()
+    }
+}
+
 /// Rows of the tips of strands that hang still: those of the elastica (cantilever.csv) and of the helix (helix.csv).
 pub(crate) fn hanging(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let (step, steps, damping) = (1.38e-3, 2500, 8.0);
-    let level = tables::cantilever().into_iter().filter(|row| [1.0, 10.0, 100.0].contains(&row.gamma)).map(|row| {
-        (format!("elastica, gamma {}", row.gamma), Rod::level(row.gamma, SEGMENTS), DVec3::new(row.tip, -row.drop, 0.0))
-    });
-    let curled = tables::helix().into_iter().filter(|row| row.gamma > 0.0);
-    let curled = curled.map(|row| (format!("helix, gamma {}", row.gamma), Rod::helix(&row, SEGMENTS), row.tip));
-    let cases: Vec<_> = level.chain(curled).collect();
-    let rods: Vec<_> = cases.iter().map(|(_, rod, _)| *rod).collect();
+    let cases = [Hanging::elasticas(&[1.0, 10.0, 100.0]), Hanging::helices()].concat();
+    let rods: Vec<_> = cases.iter().map(|case| case.rod).collect();
     let (scene, initial) = built(&rods, step, damping, GRAVITY)?;
-    let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
-    simulation.step(steps)?;
+    let simulation = ran(gpu, &scene, initial, steps)?;
     let tips = tips(&simulation.frame()?.hair);
-    let row = |((name, _, exact), tip): (&(String, Rod, DVec3), DVec3)| {
-        Row::new(format!("hanging strand: tip off the {name}"), 0.0, (tip - *exact).length(), 2.5e-3, TIP).in_unit("L")
+    let row = |(case, tip): (&Hanging, DVec3)| {
+        Row::new(format!("hanging strand: tip off the {}", case.name), 0.0, tip.distance(case.tip), 2.5e-3, TIP)
+            .in_unit("L")
     };
     Ok(cases.iter().zip(tips).map(row).collect())
 }
@@ -212,8 +241,7 @@ pub(crate) fn falling(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let (scene, mut initial) = built(&[Rod::level(10.0, SEGMENTS)], step, 0.0, GRAVITY)?;
     initial.hair.inverse_mass[0] = initial.hair.inverse_mass[SEGMENTS];
     let start = initial.hair.positions.clone();
-    let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
-    simulation.step(steps)?;
+    let simulation = ran(gpu, &scene, initial, steps)?;
     let frame = simulation.frame()?;
     let n = steps as f64;
     let expected = -GRAVITY * step * step * (0.5 * n * n + 0.75);

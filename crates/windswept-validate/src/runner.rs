@@ -8,7 +8,7 @@ use windswept::{
 use windswept_reference::{Parameters, State};
 use windswept_scene::{InitialState, Scene};
 
-use crate::Error;
+use crate::{Error, air::vectors};
 
 /// An engine, and its reference with the same numbers, rounded to f32 as the engine's are.
 pub(crate) struct Runner {
@@ -59,7 +59,6 @@ impl Runner {
 
     /// Vectors of an array that the stages left.
     pub(crate) fn read(&self, array: impl Fn(&internals::State) -> &Array<[f32; 4]>) -> Result<Vec<DVec3>, Error> {
-        let rows = self.engine.read(array(self.engine.state()))?;
-        Ok(rows.iter().map(|v| DVec3::new(v[0].into(), v[1].into(), v[2].into())).collect())
+        Ok(vectors(&self.engine.read(array(self.engine.state()))?))
     }
 }

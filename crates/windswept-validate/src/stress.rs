@@ -1,20 +1,18 @@
 //! Stress: settings far beyond those of any scene, and what must hold of hair and air all the same.
 //!
 //! A [`Stress`] sweeps settings and returns a [`Sweep`] per quantity, which has a value and a bound at each setting.
-//! The sweep's [`Row`] is that of its worst setting. `cargo xtask stress` writes the whole table; `tests/stress.rs`
-//! asserts a cut of it.
+//! `cargo xtask bench stress` writes the whole table; `tests/stress.rs` asserts a cut of it.
 
 mod air;
 mod bits;
 mod dials;
 mod driven;
 mod faults;
+mod hang;
 mod invalid;
 mod long;
 mod masses;
-mod sizes;
 mod steps;
-mod stiffness;
 mod winds;
 
 use glam::DVec3;
@@ -23,11 +21,11 @@ use windswept_scene::{Scene, Strands};
 
 pub use self::{
     bits::{couplings, differing_bytes, fingerprint},
+    hang::chain_tip,
     long::memory,
-    stiffness::chain_tip,
 };
 use crate::{
-    Error, Row,
+    Error, Sweep,
     air::{farthest, vectors},
 };
 
@@ -72,7 +70,7 @@ impl Stress {
 /// Every stress.
 pub const STRESSES: &[Stress] = &[
     Stress { name: "steps", swept: steps::SWEPT, run: steps::sweeps },
-    Stress { name: "stiffness", swept: stiffness::SWEPT, run: stiffness::sweeps },
+    Stress { name: "stiffness", swept: hang::STIFFNESSES, run: hang::stiffnesses },
     Stress { name: "masses", swept: masses::SWEPT, run: masses::sweeps },
     Stress { name: "faulty strands", swept: faults::SWEPT, run: faults::sweeps },
     Stress { name: "invalid values", swept: invalid::SWEPT, run: invalid::sweeps },
@@ -81,113 +79,11 @@ pub const STRESSES: &[Stress] = &[
     Stress { name: "driven roots", swept: driven::ROOTS, run: driven::roots },
     Stress { name: "bodies", swept: driven::BODIES, run: driven::bodies },
     Stress { name: "dials", swept: dials::SWEPT, run: dials::sweeps },
-    Stress { name: "sizes", swept: sizes::SWEPT, run: sizes::sweeps },
+    Stress { name: "sizes", swept: hang::SIZES, run: hang::sizes },
     Stress { name: "long run", swept: long::SWEPT, run: long::sweeps },
     Stress { name: "long runs of the other models", swept: long::OTHERS, run: long::others },
     Stress { name: "bits", swept: bits::SWEPT, run: bits::sweeps },
 ];
-
-/// A quantity over the settings of a stress. Its value at each must be at most the bound there.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Sweep {
-    /// Quantity, in words.
-    pub quantity: String,
-    /// Unit of its values and bounds; empty for a pure number.
-    pub unit: &'static str,
-    /// Label of the number that the samples are drawn over; `None`: no picture.
-    pub axis: Option<&'static str>,
-    /// Measurements, in the order of the settings.
-    pub samples: Vec<Sample>,
-    bound: f64,
-}
-
-/// A quantity at one setting.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Sample {
-    /// Line of the picture that it is on.
-    pub series: String,
-    /// Setting along the line, and what ended the run where something did.
-    pub setting: String,
-    /// Number that the setting is, in the unit of the axis; NaN where there is no axis.
-    pub at: f64,
-    /// Value; NaN where nothing could be measured.
-    pub measured: f64,
-    /// Largest value that passes.
-    pub bound: f64,
-}
-
-impl Sample {
-    /// Whether the value is within its bound; NaN is not.
-    #[must_use]
-    pub fn holds(&self) -> bool {
-        self.measured <= self.bound
-    }
-
-    /// Value in parts of the bound, or as it is where nothing bounds it; infinite where there is no value.
-    fn strain(&self) -> f64 {
-        let bound = if self.bound.is_finite() { self.bound } else { 1.0 };
-        match self.measured / bound {
-            strain if !strain.is_nan() => strain,
-            _ if self.holds() => 0.0,
-            _ => f64::INFINITY,
-        }
-    }
-}
-
-impl Sweep {
-    fn new(quantity: impl Into<String>, bound: f64, unit: &'static str) -> Self {
-        Self { quantity: quantity.into(), unit, axis: None, samples: Vec::new(), bound }
-    }
-
-    /// A sweep of counts of what must not be, one per setting.
-    pub fn of_counts(quantity: &str, counts: impl IntoIterator<Item = (String, usize)>) -> Self {
-        let mut sweep = Self::new(quantity, 0.0, "");
-        for (setting, count) in counts {
-            sweep.add("", setting, f64::NAN, count as f64);
-        }
-        sweep
-    }
-
-    fn over(self, axis: &'static str) -> Self {
-        Self { axis: Some(axis), ..self }
-    }
-
-    fn add(&mut self, series: impl Into<String>, setting: impl Into<String>, at: f64, measured: f64) {
-        self.add_within(self.bound, series, setting, at, measured);
-    }
-
-    /// Adds a value with a bound of its own.
-    fn add_within(
-        &mut self,
-        bound: f64,
-        series: impl Into<String>,
-        setting: impl Into<String>,
-        at: f64,
-        measured: f64,
-    ) {
-        self.samples.push(Sample { series: series.into(), setting: setting.into(), at, measured, bound });
-    }
-
-    /// The sample that is nearest to its bound, or farthest beyond it.
-    #[must_use]
-    pub fn worst(&self) -> Option<&Sample> {
-        self.samples.iter().reduce(|a, b| if b.strain() > a.strain() { b } else { a })
-    }
-
-    /// The row of the worst sample.
-    #[must_use]
-    pub fn row(&self) -> Row {
-        let Some(worst) = self.worst() else { return Row::failed(&self.quantity, &"no setting was measured") };
-        let test = format!("{}: {}, {}", self.quantity, worst.series, worst.setting);
-        Row::new(test, 0.0, worst.measured, worst.bound, "a bound; the worst setting of the sweep").in_unit(self.unit)
-    }
-
-    /// Number of samples that do not hold.
-    #[must_use]
-    pub fn failing(&self) -> usize {
-        self.samples.iter().filter(|sample| !sample.holds()).count()
-    }
-}
 
 /// Couplings of hair and air, and the keys that ask for them: each model, and both fluid solvers.
 const COUPLINGS: [(&str, &[&str]); 6] = [
@@ -301,7 +197,7 @@ fn points(simulation: &Simulation) -> Result<Vec<DVec3>, RunError> {
     let engine = simulation.engine();
     let all = engine.read(&engine.state().position)?;
     let hair = simulation.initial().hair.positions.len();
-    Ok(all[..hair].iter().map(|x| DVec3::new(x[0].into(), x[1].into(), x[2].into())).collect())
+    Ok(vectors(&all[..hair]))
 }
 
 /// Largest |l/l0 − 1| of all strands' segments; NaN if a point is not finite.

@@ -97,8 +97,7 @@ fn band_of_step(gpu: &Gpu, scene: &Scene, initial: &InitialState) -> Result<Vec<
         step::neighbours::record(r, &plan);
         step::turbulence::record_band(r, &plan);
     })?;
-    let band: Vec<[f32; 4]> = engine.read(&engine.state().band_velocity)?;
-    Ok(band.iter().map(|u| DVec3::new(u[0].into(), u[1].into(), u[2].into())).collect())
+    Ok(vectors::<4>(&engine.read(&engine.state().band_velocity)?))
 }
 
 /// Scale of the band whose filter is cut \[m\].

@@ -3,13 +3,14 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
-use windswept::{Gpu, Simulation};
+use windswept::Gpu;
 use windswept_reference::{sph_kernels::poly6, tables};
 use windswept_scene::{End, Fibre, Groom, InitialState, Scene};
 
 use crate::{
     Error, Row,
-    air::{self, Cloud, RADIUS, SIMPLE, STEP, spacing, vectors},
+    air::{self, Cloud, RADIUS, SIMPLE, STEP, ran, spacing, vectors},
+    pressure::SLOW,
     turbulence::projection,
 };
 
@@ -90,8 +91,7 @@ fn through_strands(gpu: &Gpu) -> Result<Vec<Row>, Error> {
         let mut initial = InitialState::with_groom(&scene, &groom)?;
         let hair = &mut initial.hair;
         hair.velocities = hair.positions.iter().map(|x| WAVE * DVec3::X * (k * x.z).sin()).collect();
-        let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
-        simulation.step(1)?;
+        let simulation = ran(gpu, &scene, initial, 1)?;
         Ok(vectors(&simulation.frame()?.hair.velocities))
     };
     let inside = |reach: usize, n: usize, count: usize| (reach..count - reach).contains(&n);
@@ -117,14 +117,8 @@ fn through_strands(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     ])
 }
 
-/// Particles along the sides of the Taylor-Green box: one period along x and y, and a slab of three kernel radii.
-const CELLS: [usize; 3] = [24, 24, 6];
-/// Largest speed \[m/s\], so slow that XSPH far outweighs what the solver itself takes.
-const SPEED: f64 = 0.02;
-/// Steps after which the start's lattice, which is 0.14 % too dense, has come to rest.
-const SETTLED: u64 = 80;
-/// Steps that are measured after those.
-const MEASURED: u64 = 60;
+/// Time in which the energy of vortices decays, 60 steps \[s\].
+const MEASURED: f64 = 60.0 * STEP;
 /// Coefficient c of eq. 7, so large that XSPH far outweighs numerical viscosity.
 const COEFFICIENT: f64 = 0.14;
 
@@ -154,8 +148,7 @@ fn eddies(gpu: &Gpu) -> Result<Row, Error> {
     let left = |constant: f64| -> Result<f64, Error> {
         let mut scene = air::scene("fluid.solver = \"divergence\"")?;
         scene.viscosity.smagorinsky = constant;
-        let mut simulation = Simulation::with_state(gpu, &scene, cloud.initial())?;
-        simulation.step(1)?;
+        let simulation = ran(gpu, &scene, cloud.initial(), 1)?;
         Ok(cloud.of_frame(&simulation.frame()?.air).energy())
     };
     let before = left(0.0)?;
@@ -168,18 +161,7 @@ fn eddies(gpu: &Gpu) -> Result<Row, Error> {
 
 /// Viscosity ν from the decay of the kinetic energy \[m²/s\].
 fn effective_viscosity(gpu: &Gpu, c: f64) -> Result<f64, Error> {
-    let lattice = Cloud::lattice(CELLS, SIMPLE);
-    let k = TAU / lattice.size.x;
-    let cloud = lattice.moving(|x| {
-        let (x, y) = (k * x.x, k * x.y);
-        SPEED * DVec3::new(x.sin() * y.cos(), -x.cos() * y.sin(), 0.0)
-    });
     let mut scene = air::scene("")?;
     scene.viscosity.air = c;
-    let mut simulation = Simulation::with_state(gpu, &scene, cloud.initial())?;
-    simulation.step(SETTLED)?;
-    let before = cloud.of_frame(&simulation.frame()?.air).energy();
-    simulation.step(MEASURED)?;
-    let after = cloud.of_frame(&simulation.frame()?.air).energy();
-    Ok((before / after).ln() / (4.0 * k * k * MEASURED as f64 * STEP))
+    SLOW.viscosity(gpu, &scene, MEASURED)
 }

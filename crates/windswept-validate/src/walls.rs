@@ -4,12 +4,13 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 use windswept::{Frame, Gpu, Simulation, internals::step};
-use windswept_scene::{Scene, Shape, Solid};
+use windswept_scene::{Air, FluidSolver, Scene};
 use windswept_shaders::{common::pressure::Stress, fluid};
 
 use crate::{
     Error, Row,
     air::{STEP, farthest, mean, spacing, vectors},
+    contact::meshed,
     coupled::lasting,
     momentum,
     runner::Runner,
@@ -39,8 +40,12 @@ const SHELL: f64 = 3.0;
 /// Wind \[m/s\].
 const WIND: f64 = 3.0;
 
-/// A body in a box of so many spacings.
-struct Tunnel {
+/// A body in a box of so many of the paper's spacings.
+#[derive(Debug, Clone, Copy)]
+pub struct Tunnel {
+    solver: FluidSolver,
+    /// Spacing of the particles, over the paper's.
+    coarseness: f64,
     /// Sides of the box \[spacings\].
     sides: [f64; 3],
     /// Radius of the body \[spacings\].
@@ -61,6 +66,8 @@ struct Tunnel {
 
 /// A cylinder of 12 mm in a wind of 3 m/s.
 const THIN: Tunnel = Tunnel {
+    solver: FluidSolver::Divergence,
+    coarseness: 1.0,
     sides: [33.0, 25.0, 6.0],
     radius: 2.479,
     sphere: false,
@@ -87,15 +94,33 @@ struct Beside {
     error: f64,
     /// Smallest and largest θ there.
     range: [f64; 2],
-    /// Least distance of air from the surface \[spacings\].
-    closest: f64,
     /// Largest speed of air \[m/s\].
     fastest: f64,
 }
 
 impl Tunnel {
-    fn scene(&self) -> Result<Scene, Error> {
+    /// A cylinder of 12 mm in a wind of 3 m/s, in air whose spacing is so many times the paper's, with so many substeps.
+    #[must_use]
+    pub fn cylinder(solver: FluidSolver, coarseness: f64, substeps: u32) -> Self {
+        Self { solver, coarseness, substeps, ..THIN }
+    }
+
+    /// The scene.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] if it cannot be.
+    pub fn scene(&self) -> Result<Scene, Error> {
         self.with("")
+    }
+
+    /// rms of θ − 1 within a kernel radius of the body, and the density behind it off the mean, from one time to
+    /// another \[s\].
+    ///
+    /// # Errors
+    /// [`Error`] if the run cannot be.
+    pub fn unevenness(&self, gpu: &Gpu, times: [f64; 2]) -> Result<[f64; 2], Error> {
+        let (beside, _) = self.run(gpu, times, 9)?;
+        Ok([beside.error, (beside.sectors[0] - 1.0).abs()])
     }
 
     /// The scene with more tables.
@@ -116,9 +141,14 @@ impl Tunnel {
         let fringe = if self.wind == 0.0 { "fringe = 0.0" } else { "" };
         Ok(Scene::parse(&format!(
             "gravity = [0, 0, 0]\ntime = {{ step = {STEP}, substeps = {}, duration = 10.0 }}\ninteraction.model = \"two-way\"\n\
-             [air]\nbox = {{ min = [0, 0, 0], max = [{x}, {y}, {z}] }}\nwind = [{}, 0, 0]\nramp = 0.0\nskin_friction = {}\n{fringe}\n\
+             fluid.solver = \"{}\"\n[air]\nparticle_mass = {}\nkernel_radius = {}\nbox = {{ min = [0, 0, 0], max = [{x}, {y}, {z}] }}\nwind = [{}, 0, 0]\nramp = 0.0\nskin_friction = {}\n{fringe}\n\
              [[body]]\nname = \"body\"\nradius = {radius}\n{shape}\n{motion}\n{tables}",
-            self.substeps, self.wind, self.friction
+            self.substeps,
+            self.solver.word(),
+            Air::PARTICLE_MASS * self.coarseness.powi(3),
+            Air::KERNEL_RADIUS * self.coarseness,
+            self.wind,
+            self.friction
         ))?)
     }
 
@@ -145,21 +175,20 @@ impl Tunnel {
         let body = simulation.scene().bodies[0].at(simulation.time());
         let (d, hair) = (spacing(), frame.hair.positions.len());
         let volume = simulation.initial().air.volume;
-        let mut found = Beside { range: [f64::INFINITY, 0.0], closest: f64::INFINITY, ..Beside::default() };
+        let mut found = Beside { range: [f64::INFINITY, 0.0], ..Beside::default() };
         let (mut errors, mut near) = (0.0, 0.0);
         for ((x, v), theta) in
             vectors(&frame.air.positions).iter().zip(vectors(&frame.air.velocities)).zip(&density[hair..])
         {
             let (distance, normal) = body.signed_distance(*x);
             let theta = f64::from(*theta);
-            found.closest = found.closest.min(distance / d);
             found.fastest = found.fastest.max(v.length());
             if distance < SHELL * d {
                 let sector = usize::from(normal.x < 0.5_f64.sqrt())
                     + usize::from(normal.x > -0.5_f64.sqrt() && normal.x < 0.5_f64.sqrt());
                 found.sectors[sector] += volume;
             }
-            if distance < windswept_scene::Air::KERNEL_RADIUS {
+            if distance < Air::KERNEL_RADIUS {
                 errors += (theta - 1.0).powi(2);
                 near += 1.0;
                 found.range = [found.range[0].min(theta), found.range[1].max(theta)];
@@ -171,13 +200,12 @@ impl Tunnel {
         Ok(found)
     }
 
-    /// State of the air beside the body from one time to another \[s\], on average and at worst, with each step's force
-    /// on the body \[N\].
+    /// Air beside the body from one time to another \[s\], on average, its largest speed, and each step's force on the
+    /// body \[N\].
     fn run(&self, gpu: &Gpu, [from, to]: [f64; 2], every: u64) -> Result<(Beside, Vec<DVec3>), Error> {
         let mut simulation = self.simulation(gpu)?;
         simulation.step((from / STEP).round() as u64)?;
-        let (mut all, mut count, mut forces) =
-            (Beside { closest: f64::INFINITY, range: [f64::INFINITY, 0.0], ..Beside::default() }, 0.0, vec![]);
+        let (mut all, mut count, mut forces) = (Beside::default(), 0.0, vec![]);
         let mut before = DVec3::from_array(simulation.body_impulses()?[0]);
         for number in 0..((to - from) / STEP).round() as u64 {
             simulation.step(1)?;
@@ -189,8 +217,7 @@ impl Tunnel {
                 count += 1.0;
                 (0..3).for_each(|k| all.sectors[k] += now.sectors[k]);
                 all.error += now.error;
-                all.range = [all.range[0].min(now.range[0]), all.range[1].max(now.range[1])];
-                (all.closest, all.fastest) = (all.closest.min(now.closest), all.fastest.max(now.fastest));
+                all.fastest = all.fastest.max(now.fastest);
             }
         }
         all.sectors = all.sectors.map(|sum| sum / count);
@@ -202,7 +229,7 @@ impl Tunnel {
     fn coefficient(&self, force: f64) -> f64 {
         let radius = self.radius * spacing();
         let area = if self.sphere { PI * radius.powi(2) } else { 2.0 * radius * self.sides[2] * spacing() };
-        force / (0.5 * windswept_scene::Air::REST_DENSITY * self.wind.powi(2) * area)
+        force / (0.5 * Air::REST_DENSITY * self.wind.powi(2) * area)
     }
 
     /// Frequency at which the force across the wind is strongest, by 2 R/U: Strouhal's number.
@@ -346,7 +373,7 @@ fn set_off(gpu: &Gpu, substeps: u32, steps: u64, most: f64) -> Result<Row, Error
     simulation.step(1 + steps)?;
     let impulse = -simulation.body_impulses()?[0][0];
     let taken = tunnel.volume(0.0) / (24.0 * spacing()).powi(3);
-    let added = 0.5 * (1.0 - taken) / (1.0 + 0.5 * taken) * windswept_scene::Air::REST_DENSITY * tunnel.volume(0.0);
+    let added = 0.5 * (1.0 - taken) / (1.0 + 0.5 * taken) * Air::REST_DENSITY * tunnel.volume(0.0);
     let name = format!("sphere of 4 d set off, {substeps} substeps: impulse over that of its added mass");
     Ok(Row::new(name, 0.5 * (1.0 + most), impulse / (added * speed), 0.5 * (most - 1.0), ADDED))
 }
@@ -384,7 +411,7 @@ fn balanced(gpu: &Gpu) -> Result<Row, Error> {
         r.dispatch_neighbours(&fluid::PUSH, "a constant pressure pushes", plan.fluid.flowing_clusters.clone());
     })?;
     let pushed = runner.read(|s| &s.new_velocity)?;
-    let radius = windswept_scene::Air::KERNEL_RADIUS;
+    let radius = Air::KERNEL_RADIUS;
     let mut layers = [(0.0, 0.0); 7];
     for (wall, v) in walls.iter().zip(&pushed).skip(initial.hair.positions.len()) {
         let layer = (f64::from(wall.distance) / (0.25 * spacing())) as usize;
@@ -400,10 +427,7 @@ fn balanced(gpu: &Gpu) -> Result<Row, Error> {
 /// Rows of still air about a sphere and a mesh.
 fn at_rest(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let round = Tunnel { sides: [16.0; 3], radius: 3.0, ..STOOD }.scene()?;
-    let mut meshed = round.clone();
-    let skin = round.bodies[0].shape.surface(32, 64);
-    let solid = Solid::enclosed(skin, Some(1e-3)).map_err(|error| Error::Missing(error.to_string()))?;
-    meshed.bodies[0].shape = Shape::Mesh(solid);
+    let meshed = meshed(&round, [32, 64], 1e-3)?;
     let each = [("sphere", round), ("mesh", meshed)].map(|(name, scene)| {
         let mut simulation = Simulation::new(gpu, &scene)?;
         simulation.step(100)?;

@@ -1,11 +1,16 @@
 //! Whole steps on the GPU in f32 beside the reference's in f64 (windswept_reference): hair, air and what drives them.
 
 use glam::DVec3;
-use windswept::{Gpu, Simulation};
+use windswept::Gpu;
 use windswept_reference::{Parameters, State, fluid, step::step as reference_step};
-use windswept_scene::{InitialState, Scene, Shape, Solid};
+use windswept_scene::{InitialState, Scene};
 
-use crate::{Error, Row, air::vectors, reference::error};
+use crate::{
+    Error, Row,
+    air::{ran, vectors},
+    contact::meshed,
+    reference::error,
+};
 
 const ACCURATE: &str = "f64 reference: direct, BDF2, grid filter, band law, a moving body, a gust, roots that move; largest \
     difference over largest value; measured 1.1e-7, 6.4e-6, 1.2e-5; margin 4";
@@ -65,9 +70,7 @@ pub(crate) fn steps(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let accurate = format!("{HAIR_IN_WIND}{DRIVEN}");
     let pushed = accurate.replace("center = [0.06, 0.052, 0.03]", "center = [0.06, 0.025, 0.03]");
     let pushed = Scene::parse(&pushed)?;
-    let mut meshed = pushed.clone();
-    let body = &mut meshed.bodies[0];
-    body.shape = Shape::Mesh(Solid::enclosed(body.shape.surface(32, 64), Some(5e-4))?);
+    let meshed = meshed(&pushed, [32, 64], 5e-4)?;
     let mut rows = measure(gpu, "accurate", &Scene::parse(&accurate)?, [4.5e-7, 2.6e-5, 5e-5], ACCURATE)?;
     rows.extend(measure(gpu, "a body in the hair", &pushed, [1.5e-5, 6.6e-4, 1.1e-4], PUSHED)?);
     rows.extend(measure(gpu, "a mesh in the hair", &meshed, [4e-6, 7e-5, 2e-3], MESH)?);
@@ -90,8 +93,7 @@ fn measure(
     for _ in 0..steps {
         reference_step(&mut state, &p).map_err(|frozen| Error::Missing(format!("the reference froze: {frozen:?}")))?;
     }
-    let mut simulation = Simulation::with_state(gpu, scene, initial)?;
-    simulation.step(steps)?;
+    let simulation = ran(gpu, scene, initial, steps)?;
     let frame = simulation.frame()?;
     let hair = p.hair_points;
     let origin = simulation.initial().origin;

@@ -3,12 +3,12 @@
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use glam::{DQuat, DVec3};
-use windswept::{Gpu, Simulation, internals::step};
+use windswept::{Gpu, internals::step};
 use windswept_scene::{Air, InitialState, Scene};
 
 use crate::{
     Error, Row,
-    air::{self, Cloud, RADIUS, REST_DENSITY, SIMPLE, STEP, farthest, vectors},
+    air::{self, Cloud, RADIUS, REST_DENSITY, SIMPLE, STEP, farthest, ran, vectors},
     rods::GRAVITY,
     runner::Runner,
 };
@@ -102,8 +102,7 @@ fn keyframes(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let scene = Scene::parse(MOVED)?;
     let initial = InitialState::new(&scene)?;
     let steps = 10;
-    let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
-    simulation.step(steps)?;
+    let simulation = ran(gpu, &scene, initial, steps)?;
     let part = steps as f64 * STEP / 0.02;
     let turn = DQuat::from_scaled_axis(part * DVec3::new(0.3, 0.4, -0.2));
     let center = DVec3::new(0.3, 0.2, 0.1);
@@ -162,8 +161,7 @@ pub(crate) fn blown(
     );
     let scene = Scene::parse(&text)?;
     let initial = InitialState::new(&scene)?;
-    let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
-    simulation.step(steps)?;
+    let simulation = ran(gpu, &scene, initial, steps)?;
     Ok(vectors(&simulation.frame()?.hair.velocities))
 }
 

@@ -1,4 +1,5 @@
-//! `cargo xtask bench`: how fast windswept is beside an earlier build of itself, beside a peer, and on a GPU.
+//! `cargo xtask bench`: studies of the laboratory (benches/lab), and how fast windswept is beside an earlier build of
+//! itself and beside a peer.
 //!
 //! The compared programs run by turns, so that other load of the machine falls on both. Spread is the median absolute
 //! deviation of the turns' ratios.
@@ -9,6 +10,8 @@ use std::process::{Command, Stdio};
 
 use crate::{Result, cargo, line, root, run, say, venv, vulkan};
 
+/// The bench that has the studies.
+const LAB: &str = "lab";
 /// Turns of a comparison.
 const TURNS: u32 = 10;
 /// Median absolute deviations by which the median ratio must exceed 1 for a row to be called slower.
@@ -30,8 +33,8 @@ type Times = BTreeMap<String, f64>;
 
 /// `cargo xtask bench --save FILE`: keeps the bench as it is built now, to be compared with a later one.
 pub(crate) fn save(file: &str, rest: &[&str]) -> Result {
-    let built = build("round", &options(rest)?)?;
-    let times = turn(&mut Command::new(&built))?;
+    let built = build(&options(rest)?)?;
+    let times = turn(Command::new(&built).arg("step"))?;
     std::fs::copy(&built, file).map_err(|e| format!("{file} cannot be written: {e}"))?;
     for (row, ms) in times.iter().filter(|(row, _)| !row.ends_with(PARTICLES)) {
         println!("{row:<32} {ms:>10.3} ms");
@@ -47,17 +50,18 @@ pub(crate) fn compare(file: &str, rest: &[&str]) -> Result {
     let options = options(rest)?;
     let old = std::path::absolute(file).ok().filter(|path| path.is_file());
     let old = old.ok_or(format!("{file}: no such file; cargo xtask bench --save {file} makes it"))?;
-    let built = build("round", &options)?;
+    let built = build(&options)?;
+    let steps = |program: &Path| turn(Command::new(program).arg("step"));
     let mut turns = Vec::new();
     for k in 0..options.turns {
         say(&format!("Turn {} of {}", k + 1, options.turns));
         // The second program finds the machine warmer: they take turns in that too.
         turns.push(if k % 2 == 0 {
-            let before = turn(&mut Command::new(&old))?;
-            (before, turn(&mut Command::new(&built))?)
+            let before = steps(&old)?;
+            (before, steps(&built)?)
         } else {
-            let now = turn(&mut Command::new(&built))?;
-            (turn(&mut Command::new(&old))?, now)
+            let now = steps(&built)?;
+            (steps(&old)?, now)
         });
     }
     println!("{:<32} {:>12} {:>12} {:>8} {:>8}", "row", "before, ms", "now, ms", "ratio", "spread");
@@ -97,8 +101,8 @@ pub(crate) fn compare(file: &str, rest: &[&str]) -> Result {
 pub(crate) fn peer(rest: &[&str]) -> Result {
     let options = options(rest)?;
     let python = venv::provide(&["pysplishsplash"])?;
-    let built = build("round", &options)?;
-    let own = || turn(Command::new(&built).args(PEER_SCENES));
+    let built = build(&options)?;
+    let own = || turn(Command::new(&built).arg("step").args(PEER_SCENES));
     let peer = |particles: f64| {
         let mut command = Command::new(&python);
         command.arg(root().join("benches/peer/splishsplash.py")).arg(particles.to_string()).arg(PEER_STEPS);
@@ -140,26 +144,17 @@ pub(crate) fn peer(rest: &[&str]) -> Result {
     Ok(())
 }
 
-/// `cargo xtask bench --gpu`: checks the adapter, times the paper's scenes and two million particles, and writes a JSON
-/// file.
-pub(crate) fn gpu(rest: &[&str]) -> Result {
-    written("gpu", rest, cargo())
-}
-
-/// `cargo xtask stress`: settings far beyond those of any scene, and a page of what held.
-pub(crate) fn stress(rest: &[&str]) -> Result {
-    let mut command = cargo();
-    // Two stresses run side by side, each on one core.
-    command.env("LP_NUM_THREADS", "0");
-    written("stress", rest, command)
-}
-
-/// Runs a bench that writes into benches/results, on the adapter that WGPU_ADAPTER_NAME names or the best one.
-fn written(bench: &str, rest: &[&str], mut command: Command) -> Result {
+/// `cargo xtask bench STUDY`: a study of the laboratory, on the adapter that WGPU_ADAPTER_NAME names or the best one.
+pub(crate) fn study(words: &[&str]) -> Result {
     vulkan::any_driver()?;
+    let mut command = cargo();
     venv::provide_cmake(&mut command)?;
     vulkan::give_runtime_folder(&mut command);
-    run(command.args(["bench", "--workspace", "--bench", bench, "--"]).args(rest))
+    if words.first() == Some(&"stress") {
+        // Two stresses run side by side, each on one core.
+        command.env("LP_NUM_THREADS", "0");
+    }
+    run(command.args(["bench", "--workspace", "--bench", LAB, "--"]).args(words))
 }
 
 /// Options after `--save FILE`, `--compare FILE` or `--peer`.
@@ -183,35 +178,26 @@ fn options(rest: &[&str]) -> Result<Options> {
     Ok(options)
 }
 
-/// Builds a bench and returns its program.
-fn build(bench: &str, options: &Options) -> Result<PathBuf> {
+/// Builds the laboratory and returns its program.
+fn build(options: &Options) -> Result<PathBuf> {
     vulkan::any_driver()?;
-    say(&format!("Building the bench {bench}"));
+    say("Building the laboratory");
     let mut command = cargo();
     venv::provide_cmake(&mut command)?;
-    command.args([
-        "bench",
-        "--workspace",
-        "--no-run",
-        "--bench",
-        bench,
-        "--profile",
-        &options.profile,
-        "--message-format",
-        "json",
-    ]);
+    command.args(["bench", "--workspace", "--no-run", "--bench", LAB, "--message-format", "json"]);
+    command.args(["--profile", &options.profile]);
     let output = command.stderr(Stdio::inherit()).output().map_err(|e| format!("{}: {e}", line(&command)))?;
     if !output.status.success() {
         return Err(format!("{} ended with {}", line(&command), output.status));
     }
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    let program = text.lines().rev().find_map(|message| executable(message, bench));
+    let program = text.lines().rev().find_map(executable);
     program.ok_or(format!("{} named no program", line(&command)))
 }
 
-/// The program that a message of cargo says was built of a bench.
-fn executable(message: &str, bench: &str) -> Option<PathBuf> {
-    let is_bench = message.contains(r#""kind":["bench"]"#) && message.contains(&format!(r#""name":"{bench}""#));
+/// The program that a message of cargo says was built of the laboratory.
+fn executable(message: &str) -> Option<PathBuf> {
+    let is_bench = message.contains(r#""kind":["bench"]"#) && message.contains(&format!(r#""name":"{LAB}""#));
     let (_, rest) = message.split_once(r#""executable":""#).filter(|_| is_bench)?;
     let (path, _) = rest.split_once('"')?;
     Some(Path::new(&path.replace(r"\\", r"\")).to_path_buf())
@@ -325,8 +311,8 @@ mod check {
     fn lines_are_read() {
         assert_eq!(read("quick\t3. fluid\t12.5"), Some(("quick, 3. fluid".to_owned(), 12.5)));
         assert_eq!(read("adapter: none"), None);
-        let message = r#"{"target":{"kind":["bench"],"name":"round"},"executable":"/target/round-1"}"#;
-        assert_eq!(executable(message, "round"), Some(PathBuf::from("/target/round-1")));
-        assert_eq!(executable(message, "step"), None);
+        let message = r#"{"target":{"kind":["bench"],"name":"lab"},"executable":"/target/lab-1"}"#;
+        assert_eq!(executable(message), Some(PathBuf::from("/target/lab-1")));
+        assert_eq!(executable(&message.replace("bench", "test")), None);
     }
 }

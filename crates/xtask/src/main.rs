@@ -1,4 +1,4 @@
-//! `cargo xtask demo`, `python`, `test`, `bench`, `stress`, `figures`, `fuzz`, `mutants`, `new` and `package`: set up
+//! `cargo xtask demo`, `python`, `test`, `bench`, `figures`, `fuzz`, `mutants`, `new` and `package`: set up
 //! what a clean clone lacks, then run it.
 //!
 //! Everything that these commands fetch is either a system package, announced before it is installed, or lies in
@@ -29,13 +29,12 @@ Commands:
   python   build the Python wheel into target/wheels and install it into target/venv
   test     check formatting and lints, then run the tests on the software adapter;
            with --long also those that take minutes and seldom break
-  bench    --save FILE keeps the bench as it is now, --compare FILE runs it by turns with
-           the present one and names what became slower, --peer runs fig2b by turns with
-           SPlisHSPlasH; each takes --turns N and --profile NAME.
-           --gpu [--bandwidth GB/S] [--operations TFLOP/S] checks and times the adapter and
-           writes into benches/results
-  stress   run settings far beyond those of any scene, some 20 minutes, and write what held into
-           benches/results/stress.md; with names of stresses only those
+  bench    a study of the laboratory, which writes into benches/results: precision [FAMILY...],
+           stress [STRESS...] (all: some 20 minutes each), price, step [SCENE...], gpu; each
+           takes --help.
+           --save FILE keeps the laboratory as it is now, --compare FILE runs its steps by turns
+           with those of the present one and names what became slower, --peer runs fig2b by turns
+           with SPlisHSPlasH; each takes --turns N and --profile NAME
   figures  run the scenes of the paper's figures, three seeds each, and write docs/figures.md with
            numbers and pictures, an hour on two cores; --check only says which claims hold;
            --full runs two of them at the paper's size
@@ -64,11 +63,10 @@ fn main() -> ExitCode {
         ["bench", "--save", file, ref rest @ ..] => bench::save(file, rest),
         ["bench", "--compare", file, ref rest @ ..] => bench::compare(file, rest),
         ["bench", "--peer", ref rest @ ..] => bench::peer(rest),
-        ["bench", "--gpu", ref rest @ ..] => bench::gpu(rest),
+        ["bench", ref words @ ..] => bench::study(words),
         ["figures", ref rest @ ..] => figures::show(rest),
         ["fuzz"] => tests::fuzz("60"),
         ["fuzz", seconds] => tests::fuzz(seconds),
-        ["stress", ref rest @ ..] => bench::stress(rest),
         ["mutants", ref rest @ ..] => mutants::test(rest),
         ["package"] => package::build(),
         ["new", kind, name] => new::write(kind, name),

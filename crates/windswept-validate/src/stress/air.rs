@@ -4,9 +4,9 @@ use glam::DVec3;
 use windswept::{Gpu, RunError, Simulation};
 use windswept_scene::FluidSolver;
 
-use super::{Extent, Sweep, watch};
+use super::{Extent, watch};
 use crate::{
-    Error,
+    Error, Sweep,
     air::{self, Cloud, RADIUS, SIMPLE, STEP, farthest, spacing, vectors},
 };
 

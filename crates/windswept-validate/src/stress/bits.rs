@@ -3,8 +3,8 @@
 use windswept::{Checkpoint, CheckpointError, Gpu, Simulation};
 use windswept_scene::Scene;
 
-use super::{COUPLINGS, Extent, Sweep, TUFT, has_air, scene};
-use crate::Error;
+use super::{COUPLINGS, Extent, TUFT, has_air, scene};
+use crate::{Error, Sweep};
 
 pub(super) const SWEPT: &str = "the same run twice; saved and loaded in the middle; step by step instead of in batches, and in submits \
     of the caller's own; each model and fluid solver";

@@ -2,9 +2,9 @@
 
 use windswept::{Gpu, Simulation};
 
-use super::{COUPLINGS, Extent, Sweep, TUFT, has_air, scene, watch};
+use super::{COUPLINGS, Extent, TUFT, has_air, scene, watch};
 use crate::{
-    Error,
+    Error, Sweep,
     air::{farthest, mean, vectors},
 };
 
@@ -51,7 +51,7 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
                 let (count, intensity) = bands;
                 let bound = WILD + (f64::from(count) * intensity).powi(2);
                 let series = format!("{coupling}, intensity {intensity}");
-                energy.add_within(bound, series, felt.at(&name), strength, farthest(energies, 0.0));
+                energy.add(series, felt.at(&name), strength, farthest(energies, 0.0)).tolerance = bound;
             }
             stretched.add(coupling, felt.at(&name), f64::NAN, felt.stretch);
             resets.add(coupling, felt.at(&name), f64::NAN, felt.resets);

@@ -6,8 +6,8 @@ use glam::{DQuat, DVec3};
 use windswept::{Gpu, Simulation};
 use windswept_scene::Shape;
 
-use super::{COUPLINGS, Extent, LENGTH, Sweep, TUFT, USUAL, points, scene, stretch};
-use crate::{Error, air::farthest};
+use super::{COUPLINGS, Extent, LENGTH, TUFT, USUAL, points, scene, stretch};
+use crate::{Error, Sweep, air::farthest};
 
 pub(super) const ROOTS: &str = "roots that jump by 10 m, turn by half a turn in a step, shake at 20 Hz by 50 mm, spin at 100 rad/s; \
     each model and fluid solver, wind of 3 m/s";
@@ -106,7 +106,7 @@ pub(super) fn bodies(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
             }
         }
     }
-    Ok([hit, longer, within, beyond, slips, resets].into_iter().filter(|sweep| !sweep.samples.is_empty()).collect())
+    Ok([hit, longer, within, beyond, slips, resets].into_iter().filter(|sweep| !sweep.rows.is_empty()).collect())
 }
 
 /// Effect of a body on hair.

@@ -7,8 +7,8 @@ use rand_pcg::Pcg64;
 use windswept::{Gpu, Simulation};
 use windswept_scene::{Groom, InitialState};
 
-use super::{COUPLINGS, Extent, Sweep, TUFT, USUAL, points, scene, stretch};
-use crate::Error;
+use super::{COUPLINGS, Extent, TUFT, USUAL, points, scene, stretch};
+use crate::{Error, Sweep};
 
 pub(super) const SWEPT: &str = "a zero-length edge, doubled points, a strand of 2 points, all points in one; a random tangle of 0.4 to 2 \
     lengths of the strand, one point 1 to 30 lengths away, strands that fold back upward, all points pulled into one; each model and fluid \

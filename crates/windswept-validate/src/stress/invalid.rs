@@ -3,8 +3,8 @@
 use windswept::{Gpu, Simulation};
 use windswept_shaders::common::rod::INVALID;
 
-use super::{COUPLINGS, Extent, Sweep, TUFT, USUAL, differing_bytes, points, reason, scene, stretch};
-use crate::Error;
+use super::{COUPLINGS, Extent, TUFT, USUAL, differing_bytes, points, reason, scene, stretch};
+use crate::{Error, Sweep};
 
 pub(super) const SWEPT: &str =
     "one x, v or q of a strand set to NaN or 1e30 in the buffer; each model and fluid solver";

@@ -3,9 +3,9 @@
 use glam::DVec3;
 use windswept::{Gpu, Simulation};
 
-use super::{COUPLINGS, Extent, Sweep, TUFT, has_air, points, scene};
+use super::{COUPLINGS, Extent, TUFT, has_air, points, scene};
 use crate::{
-    Error,
+    Error, Sweep,
     air::{farthest, mean, vectors},
 };
 
@@ -99,7 +99,7 @@ fn runs(gpu: &Gpu, extent: Extent, couplings: &[(&str, &[&str])]) -> Result<Vec<
         resets.add(*coupling, &setting, f64::NAN, super::resets(&simulation));
     }
     let all = [energy, density, energy_curve, density_curve, places, stretched, resets];
-    Ok(all.into_iter().filter(|sweep| !sweep.samples.is_empty()).collect())
+    Ok(all.into_iter().filter(|sweep| !sweep.rows.is_empty()).collect())
 }
 
 fn small(gpu: &Gpu, coupling: &str, keys: &[&str]) -> Result<Simulation, Error> {
@@ -125,8 +125,8 @@ pub fn memory(gpu: &Gpu) -> Result<Sweep, Error> {
     run(3000)?;
     let before = anonymous_mib();
     run(10_000)?;
-    if let Some(growth) = anonymous_mib().zip(before).map(|(after, before)| after - before) {
-        grown.add(coupling, "10 000 steps", f64::NAN, growth);
+    if let Some((after, before)) = anonymous_mib().zip(before) {
+        grown.add(coupling, "10 000 steps", f64::NAN, (after - before).max(0.0));
     }
     Ok(grown)
 }

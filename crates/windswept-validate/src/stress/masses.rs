@@ -6,9 +6,9 @@ use glam::DVec3;
 use windswept::{Gpu, Simulation};
 use windswept_scene::{InitialState, Model};
 
-use super::{COUPLINGS, Extent, Felt, Sweep, TUFT, scene, sweep_of_unsolved, undriven, watch};
+use super::{COUPLINGS, Extent, Felt, TUFT, scene, sweep_of_unsolved, undriven, watch};
 use crate::{
-    Error,
+    Error, Sweep,
     momentum::{exchanged, received},
 };
 

@@ -3,8 +3,8 @@
 use glam::DVec3;
 use windswept::{Gpu, RunError, Simulation};
 
-use super::{COUPLINGS, Extent, LENGTH, Sweep, TUFT, points, scene, undriven, watch};
-use crate::{Error, air::farthest};
+use super::{COUPLINGS, Extent, LENGTH, TUFT, points, scene, undriven, watch};
+use crate::{Error, Sweep, air::farthest};
 
 pub(super) const SWEPT: &str =
     "steps of 0.1 to 33 ms, each model and fluid solver, in still air and in a wind of 3 m/s";
@@ -49,13 +49,8 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
                 let felt = watch(&mut simulation, 1, count(SETTLING), undriven);
                 let setting = felt.at(format!("{} ms, {wind} m/s", 1e3 * step));
                 let series = format!("{coupling}, {wind} m/s");
-                stretched.add_within(
-                    if step > LONG { 0.05 } else { 0.01 },
-                    &series,
-                    &setting,
-                    1e3 * step,
-                    felt.stretch,
-                );
+                let bound = if step > LONG { 0.05 } else { 0.01 };
+                stretched.add(&series, &setting, 1e3 * step, felt.stretch).tolerance = bound;
                 resets.add(&series, &setting, 1e3 * step, felt.resets);
                 let shape = felt.ended.is_empty().then(|| mean_shape(&mut simulation, count(WATCHED)).ok()).flatten();
                 shapes.push((1e3 * step, setting, shape));
@@ -70,7 +65,7 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
             }
         }
     }
-    let blown = (!blown.samples.is_empty()).then_some(blown);
+    let blown = (!blown.rows.is_empty()).then_some(blown);
     Ok([stretched, resets, still].into_iter().chain(blown).collect())
 }
 

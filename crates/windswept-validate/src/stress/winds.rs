@@ -3,8 +3,8 @@
 use glam::DVec3;
 use windswept::{Gpu, Simulation};
 
-use super::{COUPLINGS, Extent, Sweep, TUFT, scene, sweep_of_unsolved, watch};
-use crate::Error;
+use super::{COUPLINGS, Extent, TUFT, scene, sweep_of_unsolved, watch};
+use crate::{Error, Sweep};
 
 pub(super) const SWEPT: &str = "winds of 0 to 1000 m/s: steady, on and off every frame, reversed every frame, gusting at 1 kHz; \
     each model that has wind and both fluid solvers";

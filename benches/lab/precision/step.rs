@@ -3,8 +3,11 @@
 use glam::DVec3;
 use windswept::Simulation;
 use windswept_scene::{InitialState, Method, Scene};
+use windswept_validate::internals::vectors;
 
-use crate::{Bench, Measured, Result, point::Point, timing};
+use crate::{Lab, Result, timing};
+
+use super::{Air, Measured, role};
 
 /// Length of a strand \[m\].
 const LENGTH: f64 = 0.06;
@@ -33,35 +36,24 @@ const STEPS: u64 = 180;
 /// Steps from one sample to the next, in the second half of a run.
 const SAMPLE_STEPS: u64 = 3;
 /// Setting of the fine run.
-const FINE: Setting = Setting { air: Air::Pressure(2), substeps: 16 };
+const FINE: Setting = Setting { air: Some(Air::divergence(2)), substeps: 16 };
 /// Numbers of substeps to try.
 const SUBSTEPS: [u32; 4] = [1, 2, 4, 8];
-/// Solvers of the air, and how often they iterate.
-const AIR: [Air; 8] = [
-    Air::Pressure(2),
-    Air::Pbf(2),
-    Air::Pbf(4),
-    Air::Pbf(8),
-    Air::Pressure(1),
-    Air::Pressure(3),
-    Air::Pressure(4),
-    Air::Published,
+/// Solvers of the air; `None`: the method as published.
+const AIR: [Option<Air>; 8] = [
+    Some(Air::divergence(2)),
+    Some(Air::pbf(2)),
+    Some(Air::pbf(4)),
+    Some(Air::pbf(8)),
+    Some(Air::divergence(1)),
+    Some(Air::divergence(3)),
+    Some(Air::divergence(4)),
+    None,
 ];
 
-/// Solver of the air.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Air {
-    /// Solver divergence with so many iterations of its pressure.
-    Pressure(u32),
-    /// Solver pbf with so many iterations.
-    Pbf(u32),
-    /// The method as published.
-    Published,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy)]
 struct Setting {
-    air: Air,
+    air: Option<Air>,
     substeps: u32,
 }
 
@@ -77,33 +69,31 @@ struct Flow {
 }
 
 /// Errors and time of each setting.
-pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
-    let steps = if bench.quick { 3 } else { STEPS };
-    let fine = Setting { substeps: if bench.quick { 2 } else { FINE.substeps }, ..FINE };
-    let truth = run(bench, fine, steps)?;
-    let half = run(bench, Setting { substeps: fine.substeps / 2, ..fine }, steps)?;
-    let (usual, _) = built(Setting { air: Air::Pressure(Scene::parse(SCENE)?.pressure_iterations()), substeps: 1 })?;
-    let settings = settings(bench);
+pub(super) fn measure(lab: &Lab) -> Result<Measured> {
+    let steps = if lab.quick { 3 } else { STEPS };
+    let fine = Setting { substeps: if lab.quick { 2 } else { FINE.substeps }, ..FINE };
+    let truth = run(lab, fine, steps)?;
+    let half = run(lab, Setting { substeps: fine.substeps / 2, ..fine }, steps)?;
+    let (usual, _) =
+        built(Setting { air: Some(Air::divergence(Scene::parse(SCENE)?.pressure_iterations())), substeps: 1 })?;
+    let substeps = |air: Option<Air>| lab.some(&SUBSTEPS).iter().map(move |&substeps| Setting { air, substeps });
+    let settings: Vec<_> = lab.some(&AIR).iter().flat_map(|air| substeps(*air)).collect();
     let scenes = settings.iter().map(|setting| built(*setting)).collect::<Result<Vec<_>>>()?;
-    let times = timing::passes(&bench.gpu, &scenes, &[""], bench.rounds(4))?;
-    let mut points = Vec::new();
-    for ((setting, (scene, _)), time) in settings.iter().zip(&scenes).zip(&times) {
-        let flow = run(bench, *setting, steps)?;
+    let times = timing::of_passes(&lab.gpu, &scenes, &[""], lab.rounds(4))?;
+    let mut measured = Measured::default();
+    for ((setting, (scene, _)), ms) in settings.iter().zip(&scenes).zip(times) {
+        let flow = run(lab, *setting, steps)?;
         let errors = [
             ("mean tip, from the fine run's [L]", tip(&flow, &truth), tip(&half, &truth)),
             ("energy of the band, off the fine run's, of it", energy(&flow, &truth), energy(&half, &truth)),
             ("drag of the tuft, off the fine run's, of it", drag(&flow, &truth), drag(&half, &truth)),
             ("rms of ρ/ρ0 − 1", flow.density_error, 0.0),
         ];
-        let (series, substeps) = (setting.series(), setting.substeps);
-        points.extend(errors.map(|(kind, error, uncertainty)| Point {
-            uncertainty,
-            default: *scene == usual,
-            candidate: setting.air != Air::Published,
-            ..Point::new(kind, &series, &format!("substeps {substeps}"), time, error)
-        }));
+        let series = setting.air.map_or("published".to_owned(), Air::series);
+        let role = role(*scene == usual, setting.air.is_some());
+        measured.add(&series, &format!("substeps {}", setting.substeps), ms, role, errors);
     }
-    let notes = vec![
+    measured.notes = vec![
         format!(
             "16 strands of 12 segments and 100 fibres, {LENGTH} m, in a box of 120 x 60 x 60 mm, 3 m/s at once, eddies of {} mm; \
              means over steps {} to {steps}",
@@ -119,39 +109,21 @@ pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
             100.0 * drag(&half, &truth)
         ),
     ];
-    Ok(Measured { points, notes })
-}
-
-fn settings(bench: &Bench) -> Vec<Setting> {
-    let substeps = |air: Air| bench.some(&SUBSTEPS).iter().map(move |&substeps| Setting { air, substeps });
-    bench.some(&AIR).iter().flat_map(|air| substeps(*air)).collect()
-}
-
-impl Setting {
-    fn series(self) -> String {
-        match self.air {
-            Air::Pressure(count) => format!("divergence, {count} iterations"),
-            Air::Pbf(count) => format!("pbf, {count} iterations"),
-            Air::Published => "published".to_owned(),
-        }
-    }
+    Ok(measured)
 }
 
 fn built(setting: Setting) -> Result<(Scene, InitialState)> {
-    let keys = match setting.air {
-        Air::Pressure(count) => format!("fluid.pressure_iterations = {count}\n"),
-        Air::Pbf(count) => format!("fluid = {{ solver = \"pbf\", iterations = {count} }}\n"),
-        Air::Published => format!("method = \"{}\"\n", Method::Published.word()),
-    };
+    let published = || format!("method = \"{}\"\n", Method::Published.word());
+    let keys = setting.air.map_or_else(published, Air::keys);
     let mut scene = Scene::parse(&(keys + SCENE))?;
     scene.time.substeps = setting.substeps;
     let initial = InitialState::new(&scene)?;
     Ok((scene, initial))
 }
 
-fn run(bench: &Bench, setting: Setting, steps: u64) -> Result<Flow> {
+fn run(lab: &Lab, setting: Setting, steps: u64) -> Result<Flow> {
     let (scene, initial) = built(setting)?;
-    let mut simulation = Simulation::with_state(&bench.gpu, &scene, initial)?;
+    let mut simulation = Simulation::with_state(&lab.gpu, &scene, initial)?;
     simulation.step(steps / 2)?;
     let (mut tips, mut energies, mut forces) = (Vec::new(), Vec::new(), Vec::new());
     while simulation.steps() < steps {
@@ -162,8 +134,7 @@ fn run(bench: &Bench, setting: Setting, steps: u64) -> Result<Flow> {
         );
         energies.extend(simulation.spectrum(&[SCALE])?);
         let engine = simulation.engine();
-        let impulses = engine.read(&engine.state().drag_impulse)?;
-        let impulse: DVec3 = impulses.iter().map(|j| DVec3::from_array([j[0], j[1], j[2]].map(f64::from))).sum();
+        let impulse: DVec3 = vectors(&engine.read(&engine.state().drag_impulse)?).into_iter().sum();
         forces.push(impulse * f64::from(scene.time.substeps) / scene.time.step);
     }
     let report = simulation.report()?;

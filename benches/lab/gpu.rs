@@ -1,43 +1,31 @@
-//! Times of the step on a GPU: `cargo xtask bench --gpu --bandwidth GB/S`, or `cargo bench --bench gpu -- --bandwidth
-//! GB/S`.
+//! Times of the passes on a GPU: `cargo xtask bench gpu [--bandwidth GB/S] [--operations TFLOP/S]`.
 //!
 //! Checks the adapter first (`windswept validate`, all of it), then times the paper's scenes and one of two million
 //! particles, each at one substep, and sets each pass beside the least time in which its arrays could cross the memory,
-//! and beside that in which its operations could be done. Writes `results/gpu-ADAPTER.json`. `cargo test --bench gpu`
-//! runs a few steps of a small scene, checks nothing and writes nothing.
+//! and beside that in which its operations could be done. Writes `gpu-ADAPTER.json`.
 
-use std::{error::Error, fs, path::PathBuf, process::ExitCode, time::Instant};
+use std::{fs, time::Instant};
 
-use clap::Parser;
 use serde_json::{Value, json};
 use windswept::{
-    AdapterChoice, Gpu, PlanRow, Simulation,
+    Gpu, PlanRow, Simulation,
     gpu::wgpu::CommandEncoderDescriptor,
     internals::clusters::{Cluster, Seen},
 };
 use windswept_shaders::common::lanes::LANES;
 use windswept_validate::{CHECKS, Row};
 
-#[path = "work_precision/exit.rs"]
-mod exit;
-#[path = "work_precision/provenance.rs"]
-mod provenance;
-#[path = "timed/mod.rs"]
-mod timed;
-use timed::{Timed, scene};
+use crate::{
+    Lab, Result, provenance, step,
+    timing::{Timed, scene},
+};
 
-/// Scenes by name, with their files and keys. The box of the last has ten times the volume of fig2b's.
-const SCENES: [(&str, &str, &[&str]); 3] = [
-    ("fig2b", "fig2b.toml", &["time.substeps=1"]),
-    ("fig3c", "fig3c.toml", &["time.substeps=1"]),
-    ("2 million particles", "fig2b.toml", &["time.substeps=1", "air.box.max=[1.0,0.4,0.575]"]),
-];
-/// The scene of a smoke test.
-const SMALL: [(&str, &str, &[&str]); 1] = [("quick", "quick.toml", &[])];
+/// Scenes of `bench step` that are timed, and that of a quick run.
+const SCENES: [&str; 3] = ["fig2b", "fig3c", "2 million particles"];
+const SMALL: [&str; 1] = ["quick"];
 
-/// Times of the step on a GPU.
-#[derive(Parser)]
-struct Arguments {
+#[derive(clap::Args, Default)]
+pub(crate) struct Arguments {
     /// Peak bandwidth of the adapter's memory, as its maker states it [GB/s]; without it no pass is set beside it
     #[arg(long, value_name = "GB/S")]
     bandwidth: Option<f64>,
@@ -48,48 +36,42 @@ struct Arguments {
     /// Steps of each scene that are timed pass by pass, and as many that are timed as a whole
     #[arg(long, default_value_t = 20)]
     steps: u64,
-    /// A small scene instead of the three large ones
-    #[arg(long)]
-    small: bool,
     /// Leave the checks out
     #[arg(long)]
     unchecked: bool,
-    /// Folder to write into
-    #[arg(long, default_value = "benches/results")]
-    out: PathBuf,
-    /// `cargo bench` passes it
-    #[arg(long, hide = true)]
-    bench: bool,
 }
 
-fn main() -> ExitCode {
-    exit::status(run())
-}
-
-fn run() -> Result<(), Box<dyn Error>> {
-    let mut arguments = Arguments::parse();
-    if !arguments.bench {
-        (arguments.small, arguments.unchecked, arguments.steps) = (true, true, 2);
+impl Arguments {
+    /// Adds the parts of the peak rates that so many bytes and operations in a time \[ms\] are.
+    fn add_parts(&self, of: &mut Value, bytes: u64, operations: u64, ms: f64) {
+        if let Some(peak) = self.bandwidth {
+            // GB/s are bytes per nanosecond: 1e6 of them a millisecond.
+            of["of_peak_bandwidth"] = (bytes as f64 / (peak * 1e6) / ms).into();
+        }
+        if let Some(peak) = self.operations {
+            // TFLOP/s are 1e9 operations a millisecond.
+            of["of_peak_operations"] = (operations as f64 / (peak * 1e9) / ms).into();
+        }
     }
-    let gpu = Gpu::new(&AdapterChoice::from_flag(None))?;
-    println!("adapter: {}", gpu.info());
-    let checked = if arguments.unchecked { Value::Null } else { check(&gpu)? };
-    let scenes = if arguments.small { &SMALL[..] } else { &SCENES };
+}
+
+pub(crate) fn run(lab: &Lab, arguments: &Arguments) -> Result<()> {
+    let checked = if arguments.unchecked || lab.quick { Value::Null } else { check(&lab.gpu)? };
+    let scenes = step::scenes(if lab.quick { &SMALL } else { &SCENES })?;
     let scenes: Vec<_> = scenes
-        .iter()
-        .map(|(name, file, keys)| measure(&gpu, name, file, keys, &arguments))
-        .collect::<Result<_, _>>()?;
+        .into_iter()
+        .map(|(name, file, keys)| measure(lab, name, file, keys, arguments))
+        .collect::<Result<_>>()?;
     let mut document = json!({
-        "adapter": gpu.info(),
-        "machine": provenance::machine(&gpu),
-        "commit": provenance::commit(),
-        "date": provenance::date().to_string(),
         "command": std::env::args().skip(1).collect::<Vec<_>>().join(" "),
         "operations": "those on f32 in the text of a pass (windswept_shaders::Operations), with the neighbours that there are; `more` where \
                        loops of which nobody knows the turns count once",
         "bytes": "each array that a pass reads, once as a whole, and each that it writes, once (PlanRow::bytes)",
         "scenes": scenes,
     });
+    for (name, value) in provenance::now(&lab.gpu) {
+        document[name] = value.into();
+    }
     // Peak rates that no flag gives and checks that were not run are left out.
     if let Some(bandwidth) = arguments.bandwidth {
         document["peak_bandwidth_gb_per_s"] = bandwidth.into();
@@ -100,11 +82,11 @@ fn run() -> Result<(), Box<dyn Error>> {
     if !checked.is_null() {
         document["validate"] = checked;
     }
-    if arguments.bench {
-        let name = gpu.info().name.to_lowercase();
+    if !lab.quick {
+        let name = lab.gpu.info().name.to_lowercase();
         let words: Vec<_> = name.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty()).collect();
-        fs::create_dir_all(&arguments.out)?;
-        let path = arguments.out.join(format!("gpu-{}.json", words.join("-")));
+        fs::create_dir_all(&lab.out)?;
+        let path = lab.out.join(format!("gpu-{}.json", words.join("-")));
         fs::write(&path, serde_json::to_string_pretty(&document)? + "\n")?;
         println!("written: {}", path.display());
     }
@@ -112,21 +94,21 @@ fn run() -> Result<(), Box<dyn Error>> {
 }
 
 /// How many rows of `windswept validate` pass; an error names those that do not.
-fn check(gpu: &Gpu) -> Result<Value, Box<dyn Error>> {
+fn check(gpu: &Gpu) -> Result<Value> {
     let rows: Vec<Row> = CHECKS.iter().flat_map(|check| check.rows(gpu)).collect();
-    let bad: Vec<&str> = rows.iter().filter(|row| !row.passes()).map(|row| row.test.as_str()).collect();
-    if !bad.is_empty() {
-        return Err(format!("the adapter computes wrongly, and is not timed: {}", bad.join("; ")).into());
+    let failing: Vec<&str> = rows.iter().filter(|row| !row.passes()).map(|row| row.quantity.as_str()).collect();
+    if !failing.is_empty() {
+        return Err(format!("the adapter computes wrongly, and is not timed: {}", failing.join("; ")).into());
     }
     println!("{} of {} checks pass", rows.len(), rows.len());
     Ok(json!({ "rows": rows.len(), "passed": true }))
 }
 
-fn measure(gpu: &Gpu, name: &str, file: &str, keys: &[&str], arguments: &Arguments) -> Result<Value, Box<dyn Error>> {
+fn measure(lab: &Lab, name: &str, file: &str, keys: &[&str], arguments: &Arguments) -> Result<Value> {
     let scene = scene(file, keys)?;
-    let plan = windswept::plan(&scene)?;
-    let mut timed = Timed::new(gpu, &scene)?;
-    let steps = arguments.steps;
+    let plan = windswept::plan(&scene.0)?;
+    let mut timed = Timed::new(&lab.gpu, &scene)?;
+    let steps = lab.rounds(arguments.steps);
     let mut passes = Vec::new();
     let (mut gpu_ms, mut all_bytes, mut all_operations) = (0.0, 0, 0);
     let rows = timed.steps(steps)?;
@@ -141,47 +123,33 @@ fn measure(gpu: &Gpu, name: &str, file: &str, keys: &[&str], arguments: &Argumen
             false => planned.clusters.end > hair_clusters,
         };
         let (bytes, operations) = (planned.bytes, operations(planned, clusters.iter().filter(is_met)));
-        let ms = row.ms / steps as f64;
-        gpu_ms += ms;
+        gpu_ms += row.ms;
         all_bytes += bytes;
         all_operations += operations;
         let mut pass = json!({
-            "pass": row.pass, "name": row.name, "runs": row.runs, "ms": ms, "bytes": bytes, "operations": operations,
+            "pass": row.pass, "name": row.name, "runs": row.runs, "ms": row.ms, "bytes": bytes, "operations": operations,
             "more": planned.operations.more,
         });
         if let Some(band) = row.band {
             pass["band"] = band.into();
         }
-        if let Some(peak) = arguments.bandwidth {
-            // GB/s are bytes per nanosecond: 1e6 of them a millisecond.
-            pass["of_peak_bandwidth"] = (bytes as f64 / (peak * 1e6) / ms).into();
-        }
-        if let Some(peak) = arguments.operations {
-            // TFLOP/s are 1e9 operations a millisecond.
-            pass["of_peak_operations"] = (operations as f64 / (peak * 1e9) / ms).into();
-        }
+        arguments.add_parts(&mut pass, bytes, operations, row.ms);
         passes.push(pass);
     }
-    let mut walls = Vec::new();
-    for _ in 0..steps {
-        let started = Instant::now();
-        timed.simulation.step(1)?;
-        walls.push(started.elapsed().as_secs_f64() * 1e3);
-    }
-    let (on_the_gpu, of_the_host) = on_the_gpu(gpu, &mut timed.simulation, steps)?;
+    let walls = timed.walls(steps)?;
+    let (on_the_gpu, of_the_host) = on_the_gpu(&lab.gpu, &mut timed.simulation, steps)?;
     let started = Instant::now();
     timed.simulation.step(steps)?;
     let in_a_row = started.elapsed().as_secs_f64() * 1e3 / steps as f64;
-    walls.sort_by(f64::total_cmp);
     let (least, median) = (walls[0], walls[walls.len() / 2]);
+    let particles = timed.simulation.engine().sizes().particles;
     println!(
-        "{name}: {} particles, passes {gpu_ms:.3} ms, a step by itself {median:.3} ms (least {least:.3}), in a row {in_a_row:.3} ms, \
-         on the GPU {on_the_gpu:.3} ms, encoded in {of_the_host:.3} ms",
-        timed.simulation.engine().sizes().particles
+        "{name}: {particles} particles, passes {gpu_ms:.3} ms, a step by itself {median:.3} ms (least {least:.3}), in a row {in_a_row:.3} ms, \
+         on the GPU {on_the_gpu:.3} ms, encoded in {of_the_host:.3} ms"
     );
     let mut of_scene = json!({
         "name": name,
-        "particles": timed.simulation.engine().sizes().particles,
+        "particles": particles,
         "memory_bytes": timed.simulation.engine().memory_bytes(),
         "ms_of_passes": gpu_ms,
         "ms_of_a_step_median": median,
@@ -193,12 +161,7 @@ fn measure(gpu: &Gpu, name: &str, file: &str, keys: &[&str], arguments: &Argumen
         "operations": all_operations,
         "passes": passes,
     });
-    if let Some(peak) = arguments.bandwidth {
-        of_scene["of_peak_bandwidth"] = (all_bytes as f64 / (peak * 1e6) / gpu_ms).into();
-    }
-    if let Some(peak) = arguments.operations {
-        of_scene["of_peak_operations"] = (all_operations as f64 / (peak * 1e9) / gpu_ms).into();
-    }
+    arguments.add_parts(&mut of_scene, all_bytes, all_operations, gpu_ms);
     Ok(of_scene)
 }
 
@@ -207,7 +170,7 @@ const ATTEMPTS: u32 = 4;
 
 /// Time of a step on the GPU, of many that are encoded and submitted together and run without timers, and time in which
 /// the host encodes it \[ms\].
-fn on_the_gpu(gpu: &Gpu, simulation: &mut Simulation, steps: u64) -> Result<(f64, f64), Box<dyn Error>> {
+fn on_the_gpu(gpu: &Gpu, simulation: &mut Simulation, steps: u64) -> Result<(f64, f64)> {
     let ms_each = |from: Instant, to: Instant| (to - from).as_secs_f64() * 1e3 / steps as f64;
     for _ in 0..ATTEMPTS {
         let before = simulation.steps();

@@ -3,16 +3,13 @@
 
 use glam::DVec3;
 use windswept::Simulation;
-use windswept_reference::{Parameters, State, step::step as reference_step, tables};
+use windswept_reference::{Parameters, State, step::step as reference_step};
 use windswept_scene::{InitialState, Integrator, Scene, Solver};
-use windswept_validate::internals::{self, GRAVITY, LENGTH, Rod, STEP};
+use windswept_validate::internals::{self, GRAVITY, Hanging, LENGTH, Rod, SEGMENTS, STEP, rms};
 
-use crate::{
-    Bench, Measured, Result,
-    air::rms,
-    point::Point,
-    timing::{self, Time},
-};
+use crate::{Lab, Result, timing};
+
+use super::{Measured, role};
 
 /// A solver and the iterations to try, which make a set of lines in the picture.
 struct Row {
@@ -60,8 +57,6 @@ const MAX_SWEEPS_OF_MANY: u32 = 20;
 const STRANDS: usize = 550;
 /// Number of strands of a large groom, which is timed in falls at one substep.
 const MANY_STRANDS: usize = 10_000;
-/// Segments of a strand.
-const SEGMENTS: usize = 34;
 /// Damping of the strands that come to rest \[1/s\].
 const DAMPING: f64 = 8.0;
 /// Time until they rest \[s\].
@@ -74,14 +69,6 @@ const SAMPLE_STEPS: u64 = 18;
 const FALL: f64 = 0.2;
 /// Substeps of the f64 run that falling tips are compared with.
 const FINE_SUBSTEPS: u32 = 128;
-
-/// A strand with the tip that it should have.
-struct Target {
-    name: String,
-    rod: Rod,
-    /// Place of the tip at rest, from the root \[L\].
-    tip: DVec3,
-}
 
 /// A setting, of all that is varied.
 #[derive(Clone, Copy)]
@@ -109,12 +96,12 @@ impl Setting {
     }
 }
 
-fn settings(bench: &Bench) -> Vec<Setting> {
+fn settings(lab: &Lab) -> Vec<Setting> {
     let mut all = Vec::new();
     for row in SOLVERS {
-        for &substeps in bench.some(&SUBSTEPS) {
+        for &substeps in lab.some(&SUBSTEPS) {
             let few = |n: &&u32| substeps == 1 || row.solver == Solver::Direct || **n * substeps <= MAX_SWEEPS;
-            let iterations = bench.some(row.iterations).iter().filter(few);
+            let iterations = lab.some(row.iterations).iter().filter(few);
             all.extend(iterations.map(|&iterations| Setting { row, substeps, iterations }));
         }
     }
@@ -122,57 +109,56 @@ fn settings(bench: &Bench) -> Vec<Setting> {
 }
 
 /// Errors and time of each setting.
-pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
-    let rods: Vec<Target> = level_rods().into_iter().chain(helices()).collect();
-    let falling = level_rods();
-    let (rest, fall) = if bench.quick { (0.05, 0.02) } else { (REST, FALL) };
-    let samples = if bench.quick { 1 } else { SAMPLES };
+pub(super) fn measure(lab: &Lab) -> Result<Measured> {
+    let falling = Hanging::elasticas(&[10.0, 100.0]);
+    let rods = [falling.clone(), Hanging::helices()].concat();
+    let (rest, fall) = if lab.quick { (0.05, 0.02) } else { (REST, FALL) };
+    let samples = if lab.quick { 1 } else { SAMPLES };
     let (rest_steps, fall_steps) = ((rest / STEP).round() as u64, (fall / STEP).round() as usize);
-    let fine = if bench.quick { 8 } else { FINE_SUBSTEPS };
+    let fine = if lab.quick { 8 } else { FINE_SUBSTEPS };
     let truth = reference_fall(&falling, fall_steps, fine)?;
     let coarser = reference_fall(&falling, fall_steps, fine / 2)?;
     let drift: Vec<f64> = (0..falling.len()).map(|s| rms_distance(&coarser, &truth, s)).collect();
     let default = internals::rods_scene(&[], 1, STEP, GRAVITY, &keys(0.0))?;
 
-    let settings = settings(bench);
-    let times = times_of(bench, &settings, &rods, STRANDS)?;
+    let settings = settings(lab);
+    let times = times_of(lab, &settings, &rods, STRANDS)?;
     let few: Vec<Setting> = settings.iter().copied().filter(Setting::is_cheap).collect();
-    let times_of_many = times_of(bench, &few, &rods, if bench.quick { STRANDS } else { MANY_STRANDS })?;
+    let times_of_many = times_of(lab, &few, &rods, if lab.quick { STRANDS } else { MANY_STRANDS })?;
     let (damped, hanging) = build(&rods, 1, DAMPING)?;
     let (free, level) = build(&falling, 1, 0.0)?;
-    let mut points = Vec::new();
-    let mut times_of_many = times_of_many.iter();
-    for (setting, time) in settings.iter().zip(&times) {
+    let mut measured = Measured::default();
+    let mut times_of_many = times_of_many.into_iter();
+    for (setting, ms) in settings.iter().zip(times) {
         let Setting { row, substeps, iterations } = setting;
         let plural = |n: u32, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
         let (work, parts) = (plural(*iterations, row.unit), plural(*substeps, "substep"));
         // Along a line Gauss-Seidel varies its sweeps, and the direct solver its substeps.
         let (along, setting_name) = if row.solver == Solver::GaussSeidel { (parts, work) } else { (work, parts) };
         let series = format!("{}, {along}", row.name);
-        let is_default = setting.apply(default.clone()) == default;
-        let mut add = |kind: String, time: &Time, error: f64, uncertainty: f64| {
-            let point = Point::new(&kind, &series, &setting_name, time, error);
-            points.push(Point { default: is_default, uncertainty, ..point });
+        let role = role(setting.apply(default.clone()) == default, true);
+        let mut add = |kind: String, ms: f64, error: f64, uncertainty: f64| {
+            measured.add(&series, &setting_name, ms, role, [(&kind, error, uncertainty)]);
         };
-        let mut simulation = Simulation::with_state(&bench.gpu, &setting.apply(damped.clone()), hanging.clone())?;
+        let mut simulation = Simulation::with_state(&lab.gpu, &setting.apply(damped.clone()), hanging.clone())?;
         simulation.step(rest_steps)?;
         let at_rest = tips(&mut simulation, SAMPLE_STEPS, samples)?;
         for (s, rod) in rods.iter().enumerate() {
             let error = rms(at_rest.iter().map(|tips| (tips[s] - rod.tip).length()));
-            add(format!("{}, at rest: rms tip error [L]", rod.name), time, error, 0.0);
+            add(format!("{}, at rest: rms tip error [L]", rod.name), ms, error, 0.0);
         }
-        let mut simulation = Simulation::with_state(&bench.gpu, &setting.apply(free.clone()), level.clone())?;
+        let mut simulation = Simulation::with_state(&lab.gpu, &setting.apply(free.clone()), level.clone())?;
         let path = tips(&mut simulation, 1, fall_steps)?;
-        let time_of_many = if setting.is_cheap() { times_of_many.next() } else { None };
+        let ms_of_many = if setting.is_cheap() { times_of_many.next() } else { None };
         for (s, rod) in falling.iter().enumerate() {
             let error = rms_distance(&path, &truth, s);
-            add(format!("{}, falling: rms tip error [L]", rod.name), time, error, drift[s]);
-            if let Some(time) = time_of_many {
-                add(format!("{MANY_STRANDS} strands, {}, falling: rms tip error [L]", rod.name), time, error, drift[s]);
+            add(format!("{}, falling: rms tip error [L]", rod.name), ms, error, drift[s]);
+            if let Some(ms) = ms_of_many {
+                add(format!("{MANY_STRANDS} strands, {}, falling: rms tip error [L]", rod.name), ms, error, drift[s]);
             }
         }
     }
-    let notes = vec![
+    measured.notes = vec![
         format!(
             "strands of {SEGMENTS} segments, {LENGTH} m, step {STEP} s; time: {STRANDS} strands at once, or {MANY_STRANDS}; a quarter of \
              them each rod's"
@@ -187,32 +173,14 @@ pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
             drift.iter().map(|error| format!("{error:.1e}")).collect::<Vec<_>>().join(", ")
         ),
     ];
-    Ok(Measured { points, notes })
+    Ok(measured)
 }
 
 /// Time of each setting with `count` strands in all.
-fn times_of(bench: &Bench, settings: &[Setting], rods: &[Target], count: usize) -> Result<Vec<Time>> {
+fn times_of(lab: &Lab, settings: &[Setting], rods: &[Hanging], count: usize) -> Result<Vec<f64>> {
     let (many, strands) = build(rods, count.div_ceil(rods.len()), DAMPING)?;
     let scenes: Vec<_> = settings.iter().map(|setting| (setting.apply(many.clone()), strands.clone())).collect();
-    timing::passes(&bench.gpu, &scenes, &["rods/"], bench.rounds(4))
-}
-
-/// Rods that are straight and clamped level (cantilever.csv).
-fn level_rods() -> Vec<Target> {
-    let rows = tables::cantilever().into_iter().filter(|row| [10.0, 100.0].contains(&row.gamma));
-    rows.map(|row| Target {
-        name: format!("elastica γ = {}", row.gamma),
-        rod: Rod::level(row.gamma, SEGMENTS),
-        tip: DVec3::new(row.tip, -row.drop, 0.0),
-    })
-    .collect()
-}
-
-/// Rods that are helical and hang (helix.csv).
-fn helices() -> Vec<Target> {
-    let rows = tables::helix().into_iter().filter(|row| row.gamma > 0.0);
-    rows.map(|row| Target { name: format!("helix γ = {}", row.gamma), rod: Rod::helix(&row, SEGMENTS), tip: row.tip })
-        .collect()
+    timing::of_passes(&lab.gpu, &scenes, &["rods/"], lab.rounds(4))
 }
 
 /// Keys of the table `rods`; damping in 1/s.
@@ -221,7 +189,7 @@ fn keys(damping: f64) -> String {
 }
 
 /// The scene of `copies` strands of each rod, and its strands.
-fn build(targets: &[Target], copies: usize, damping: f64) -> Result<(Scene, InitialState)> {
+fn build(targets: &[Hanging], copies: usize, damping: f64) -> Result<(Scene, InitialState)> {
     let rods: Vec<Rod> = targets.iter().map(|target| target.rod).collect();
     Ok(internals::build(&rods, copies, STEP, GRAVITY, &keys(damping))?)
 }
@@ -237,7 +205,7 @@ fn tips(simulation: &mut Simulation, steps: u64, count: usize) -> Result<Vec<Vec
 }
 
 /// Tips of an undamped fall by the f64 reference \[L\], after each step of Δt.
-fn reference_fall(rods: &[Target], steps: usize, substeps: u32) -> Result<Vec<Vec<DVec3>>> {
+fn reference_fall(rods: &[Hanging], steps: usize, substeps: u32) -> Result<Vec<Vec<DVec3>>> {
     let (mut scene, initial) = build(rods, 1, 0.0)?;
     scene.time.substeps = substeps;
     scene.rods.sleep = false;

@@ -4,14 +4,11 @@ use glam::DVec3;
 use windswept::ops::Filter;
 use windswept_reference::turbulence::{mexican_hat, peak_gain};
 use windswept_scene::{Band, Scene};
-use windswept_validate::internals::{Cloud, RADIUS, VOLUME, air_scene, vectors};
+use windswept_validate::internals::{Cloud, RADIUS, VOLUME, air_scene, rms, vectors};
 
-use crate::{
-    Bench, Measured, Result,
-    air::{self, rms},
-    point::Point,
-    timing,
-};
+use crate::{Lab, Result, timing};
+
+use super::{Measured, role};
 
 /// Scales s of the bands \[m\].
 const SCALES: [f64; 3] = [0.007, 0.011, 0.018];
@@ -26,65 +23,48 @@ const REACH: f64 = 8.0;
 const PASSES: [&str; 5] =
     ["turbulence/weigh", "turbulence/band", "turbulence/deposit", "turbulence/smooth", "turbulence/gather"];
 
-/// A filter, its line and its point in the picture.
-struct Setting {
-    filter: Filter,
-    series: String,
-    label: String,
-    /// Whether a scene that names no filter gets this one.
-    default: bool,
-}
-
-/// The settings that differ at this scale: no grid is coarser than a kernel radius.
-fn settings(bench: &Bench, scale: f64, default: Filter) -> Vec<Setting> {
-    let direct = bench.some(&CUTOFFS).iter().map(|&cutoff| {
-        let filter = Filter::Direct { cutoff };
-        Setting {
-            filter,
-            series: "direct sum".to_owned(),
-            label: format!("cut at {cutoff} s"),
-            default: filter == default,
-        }
+/// The settings that differ at this scale, each with its series and its name: no grid is coarser than a kernel radius.
+fn settings(lab: &Lab, scale: f64) -> Vec<(Filter, &'static str, String)> {
+    let direct = lab.some(&CUTOFFS).iter();
+    let direct = direct.map(|&cutoff| (Filter::Direct { cutoff }, "direct sum", format!("cut at {cutoff} s")));
+    let grids = lab.some(&SPACINGS).iter().map(|&spacing| {
+        let spacing = spacing.min(RADIUS / scale);
+        (Filter::Grid { spacing }, "grid", format!("nodes {spacing:.3} s apart at most"))
     });
-    let mut all: Vec<Setting> = direct.collect();
-    for &spacing in bench.some(&SPACINGS) {
-        let filter = Filter::Grid { spacing };
-        let (series, label) = ("grid".to_owned(), format!("nodes {:.3} s apart at most", spacing.min(RADIUS / scale)));
-        match all.last_mut() {
-            Some(last) if last.series == series && last.label == label => last.default |= filter == default,
-            _ => all.push(Setting { filter, series, label, default: filter == default }),
-        }
-    }
+    let mut all: Vec<_> = direct.chain(grids).collect();
+    all.dedup_by(|a, b| a.0 == b.0);
     all
 }
 
 /// Error and time of each filter, at each scale.
-pub(crate) fn measure(bench: &Bench) -> Result<Measured> {
-    let air = air::lattice(if bench.quick { 8 } else { 17 }).jittered(0.3, 7).stirred(1.0, 5);
-    let mut points = Vec::new();
-    for &scale in bench.some(&SCALES) {
+pub(super) fn measure(lab: &Lab) -> Result<Measured> {
+    let air = Cloud::centred(if lab.quick { 8 } else { 17 }).jittered(0.3, 7).stirred(1.0, 5);
+    let mut measured = Measured::default();
+    for &scale in lab.some(&SCALES) {
         let whole = whole_sum(&air, scale);
         let kind = format!("s = {} mm: rms error of û over its rms", 1e3 * scale);
-        let settings = settings(bench, scale, Filter::of(&air_scene("")?.turbulence));
-        let scenes = settings
-            .iter()
-            .map(|setting| Ok((scene(scale, setting.filter)?, air.initial())))
-            .collect::<Result<Vec<_>>>()?;
-        let times = timing::passes(&bench.gpu, &scenes, &PASSES, bench.rounds(4))?;
-        for (Setting { filter, series, label, default }, time) in settings.iter().zip(&times) {
-            let got = vectors(&air.particles().band_velocity(&bench.gpu, scale, *filter)?);
+        let usual = match Filter::of(&air_scene("")?.turbulence) {
+            Filter::Grid { spacing } => Filter::Grid { spacing: spacing.min(RADIUS / scale) },
+            direct => direct,
+        };
+        let settings = settings(lab, scale);
+        let scenes = settings.iter().map(|(filter, ..)| Ok((scene(scale, *filter)?, air.initial())));
+        let scenes = scenes.collect::<Result<Vec<_>>>()?;
+        let times = timing::of_passes(&lab.gpu, &scenes, &PASSES, lab.rounds(4))?;
+        for ((filter, series, setting), ms) in settings.iter().zip(times) {
+            let got = vectors(&air.particles().band_velocity(&lab.gpu, scale, *filter)?);
             let error =
                 rms(got.iter().zip(&whole).map(|(a, b)| (*a - *b).length())) / rms(whole.iter().map(|u| u.length()));
-            points.push(Point { default: *default, ..Point::new(&kind, series, label, time, error) });
+            measured.add(series, setting, ms, role(*filter == usual, true), [(&kind, error, 0.0)]);
         }
     }
-    let notes = vec![
+    measured.notes = vec![
         "field: box of 17 d, jitter 0.3 d, six solenoidal waves of 1-3 periods per axis (d the particles' spacing)"
             .into(),
         "error: against the f64 sum over all particles and all periodic images in which the hat is above 1e-12".into(),
         "time: without the grid's sort into its own cells, a few percent".into(),
     ];
-    Ok(Measured { points, notes })
+    Ok(measured)
 }
 
 /// A band that is filtered and hardly fed.

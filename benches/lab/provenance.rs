@@ -1,12 +1,26 @@
-//! The tree that a figure was made from, the machine, and the day.
+//! The machine, the tree that a figure was made from, and the day.
 
 use std::{fs, process::Command, thread};
 
 use windswept::Gpu;
 
-/// The adapter, and the processor, which decides how fast a software adapter is and which texts it runs.
-pub(crate) fn machine(gpu: &Gpu) -> String {
-    format!("{}; texts {:?}; {}", gpu.info(), gpu.variant(), processor())
+/// Where, from which tree and when something is measured, by name; the processor decides how fast a software adapter is
+/// and which shader variant it runs.
+pub(crate) fn now(gpu: &Gpu) -> [(&'static str, String); 3] {
+    [
+        ("adapter", format!("{}; shader variant {:?}; {}", gpu.info(), gpu.variant(), processor())),
+        ("commit", commit()),
+        ("date", time::OffsetDateTime::now_utc().date().to_string()),
+    ]
+}
+
+/// The same as lines of text, with the time that the measurement took.
+pub(crate) fn lines(gpu: &Gpu, seconds: f64) -> Vec<String> {
+    now(gpu)
+        .map(|(name, value)| format!("{name}: {value}"))
+        .into_iter()
+        .chain([format!("took: {seconds:.0} s")])
+        .collect()
 }
 
 /// The cores that this process may use and, on Linux, the processor's own name.
@@ -17,8 +31,8 @@ fn processor() -> String {
     format!("{cores} cores of {}", name.map_or("a processor without a name", |(_, name)| name.trim()))
 }
 
-/// The commit, and whether the tree has changes, other than what benches write.
-pub(crate) fn commit() -> String {
+/// The commit, and whether the tree has changes, other than those that studies write.
+fn commit() -> String {
     const CHANGES: [&str; 6] = ["status", "--porcelain", "--untracked-files=no", "--", ":/", ":!benches/results"];
     let git = |arguments: &[&str]| {
         let output = Command::new("git").args(arguments).output().ok().filter(|output| output.status.success())?;
@@ -29,9 +43,4 @@ pub(crate) fn commit() -> String {
         (Some(commit), _) => format!("{commit} with changes"),
         (None, _) => "unknown".to_owned(),
     }
-}
-
-/// Today's date, UTC.
-pub(crate) fn date() -> time::Date {
-    time::OffsetDateTime::now_utc().date()
 }
