@@ -139,29 +139,17 @@ impl Walk<'_> {
 
 /// Planted faults of the passes of this stage.
 pub const FAULTS: &[Fault] = &[
-    (&shaders::commit::HOLD, "if point == NO_POINT {", "if point != NO_POINT {", PARTICLES),
-    (&shaders::commit::CHECK, "!can_be(", "can_be(", PARTICLES),
-    (&shaders::commit::FRAMES, "turn, spin,", "turn, 0.9 * spin,", PARTICLES),
-    (&shaders::commit::FRAMES, "select(before.angular", "select(0.9 * before.angular", PARTICLES),
-    (&shaders::commit::FRAMES, "rest_drift + rotation_vector", "rest_drift + 0.9 * rotation_vector", PARTICLES),
-    (
-        &shaders::commit::FRAMES,
-        "+ rod_strands[k].root_displacement",
-        "+ 0.9 * rod_strands[k].root_displacement",
-        PARTICLES,
-    ),
-    (&shaders::commit::FRAMES, "force, rod_strands[k].condition", "force, strand_history[k].condition", PARTICLES),
-    (&shaders::commit::HAIR, "point.before + last - new_velocity[p].xyz", "point.before + last", PARTICLES),
-    (&shaders::commit::CONTACTS, "max(contacts", "0.9 * max(contacts", BODIES),
-    (&shaders::commit::BODIES, "air_total[body][0].xyz +", "0.9 * air_total[body][0].xyz +", WALLS),
-    (&shaders::commit::CHECK, "air_id_before[slot] = air_id[slot]", "air_id_before[slot] = slot", PARTICLES),
-    (&shaders::commit::AIR, "predicted[i]", "predicted[params.hair_points + slot]", PARTICLES),
-    (&shaders::commit::AIR, "= final_velocity[i]", "= 0.9 * final_velocity[i]", PARTICLES),
-    (&shaders::commit::AIR, "air_id_before[i - params.hair_points]", "air_id_before[slot]", PARTICLES),
-    (&shaders::commit::PRESSURE, "pressed[sorted[slot - params.hair_points]]", "pressed[slot]", DIVERGENCE),
-    (&shaders::commit::PRESSURE, "= pressed[slot];", "= Pressed(0.9 * pressed[slot].change, 0.0);", PRESSED_HAIR),
-    (&shaders::commit::STATE, "select(vec3f(0.0), kept,", "select(vec3f(0.0), 0.5 * kept,", PUBLISHED),
-    (&shaders::commit::STATE, "velocity[i] = final_velocity[i]", "velocity[i] = 0.9 * final_velocity[i]", PARTICLES),
+    (&shaders::commit::HOLD, PARTICLES, &[20]),
+    (&shaders::commit::CHECK, PARTICLES, &[7, 6]),
+    (&shaders::commit::FRAMES, PARTICLES, &[17, 27, 22, 34, 30]),
+    (&shaders::commit::HAIR, PARTICLES, &[40]),
+    (&shaders::commit::CONTACTS, BODIES, &[5]),
+    (&shaders::commit::BODIES, WALLS, &[10]),
+    (&shaders::commit::AIR, PARTICLES, &[8, 15, 16]),
+    (&shaders::commit::PRESSURE, DIVERGENCE, &[7]),
+    (&shaders::commit::PRESSURE, PRESSED_HAIR, &[11]),
+    (&shaders::commit::STATE, PUBLISHED, &[21]),
+    (&shaders::commit::STATE, PARTICLES, &[10]),
 ];
 
 /// Commit wraps air, leaves hair where it is, takes the velocities and counts the step.

@@ -143,15 +143,13 @@ fn stands(w: &Scratch) -> Vec<[u32; 4]> {
 
 /// Planted faults of the passes of contact, and of the rods' solve among bodies.
 pub const FAULTS: &[Fault] = &[
-    (&shaders::forcing::BODIES, "0.5 * (body.start + body.end)", "0.51 * (body.start + body.end)", BODIES),
-    (&shaders::rods::CONTACTS, "RISE * along < depth", "RISE * along < depth + 0.01", BODIES),
-    (&shaders::rods::CONTACTS, "before = start.distance", "before = 0.999 * start.distance", BODIES),
-    (&shaders::rods::SOLVE, "mu * before.lag", "0.9 * mu * before.lag", BODIES),
-    (&shaders::rods::SOLVE, "contact.place * arm", "0.9 * contact.place * arm", THIN_BODY),
-    (&shaders::rods::SOLVE, "* contact.curve", "* 0.5 * contact.curve", THIN_BODY),
-    (&shaders::contact::AIR, "CLEARANCE * params.spacing", "0.9 * CLEARANCE * params.spacing", BODIES),
-    (&shaders::contact::AIR, "-0.5 * params.skin_friction", "-params.skin_friction", WALLS),
-    (&shaders::contact::BODY_IMPULSE, "seen.impulse", "0.9 * seen.impulse", WALLS),
+    (&shaders::forcing::BODIES, BODIES, &[19]),
+    (&shaders::rods::CONTACTS, BODIES, &[113, 16]),
+    (&shaders::rods::SOLVE, BODIES, &[1288]),
+    (&shaders::rods::SOLVE, THIN_BODY, &[765, 785]),
+    (&shaders::contact::AIR, BODIES, &[116]),
+    (&shaders::contact::AIR, WALLS, &[35]),
+    (&shaders::contact::BODY_IMPULSE, WALLS, &[14]),
 ];
 
 fn body(shape: Shape, keyframes: &[(f64, [f64; 3], [f64; 3])]) -> Body {

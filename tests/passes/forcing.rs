@@ -131,21 +131,19 @@ impl Walk<'_> {
 
 /// Planted faults of the passes of this stage.
 pub const FAULTS: &[Fault] = &[
-    (&shaders::forcing::MEAN_WIND, "status.wind[axis] = now", "status.wind[axis] = before", PARTICLES),
-    (&shaders::forcing::RESET, "condition.failed != FAILED", "condition.failed == FAILED", PARTICLES),
-    (&shaders::forcing::RESET, "!(in_reach(", "(in_reach(", PARTICLES),
-    (&shaders::forcing::ROOTS, "left = 1u", "left = 2u", PARTICLES),
-    (&shaders::forcing::HAIR_DRIFT, "points[p].weight * params.gravity", "params.gravity", LIGHT_HAIR),
-    (&shaders::forcing::FRINGE_DEFICIT, "- v - change", "- 0.9 * v - change", PARTICLES),
-    (&shaders::reduce::TOTAL, "totals[0] = all[0]", "totals[0] = vec4f(0.9 * all[0].xyz, all[0].w)", PARTICLES),
-    (&shaders::forcing::FRINGE, "along * wind", "0.9 * along * wind", PARTICLES),
-    (&shaders::forcing::FRINGE, "sin(PI * depth", "sin(0.9 * PI * depth", PARTICLES),
-    (&shaders::forcing::FIELD_STRENGTHS, "f32(status.step + 1u)", "f32(status.step)", FIELDS),
-    (&shaders::forcing::DRIVE_AIR, "1.0 - exp(", "1.1 - exp(", FIELDS),
-    (&shaders::forcing::PUSH_AIR, "params.step * pushed", "0.9 * params.step * pushed", PUSHED),
-    (&shaders::forcing::PREDICT, "params.step * v", "0.9 * params.step * v", PARTICLES),
-    (&shaders::forcing::ADVANCE, "v + before.change / 3.0, 0.0", "v + before.change / 2.0, 0.0", DIVERGENCE),
-    (&shaders::forcing::EXTRAPOLATE, "carries) / 3.0", "carries) / 2.0", PRESSED_HAIR),
+    (&shaders::forcing::MEAN_WIND, PARTICLES, &[15]),
+    (&shaders::forcing::RESET, PARTICLES, &[57, 35]),
+    (&shaders::forcing::ROOTS, PARTICLES, &[53]),
+    (&shaders::forcing::HAIR_DRIFT, LIGHT_HAIR, &[16]),
+    (&shaders::forcing::FRINGE_DEFICIT, PARTICLES, &[12]),
+    (&shaders::reduce::TOTAL, PARTICLES, &[9]),
+    (&shaders::forcing::FRINGE, PARTICLES, &[7, 87]),
+    (&shaders::forcing::FIELD_STRENGTHS, FIELDS, &[38]),
+    (&shaders::forcing::DRIVE_AIR, FIELDS, &[17]),
+    (&shaders::forcing::PUSH_AIR, PUSHED, &[9]),
+    (&shaders::forcing::PREDICT, PARTICLES, &[15]),
+    (&shaders::forcing::ADVANCE, DIVERGENCE, &[13]),
+    (&shaders::forcing::EXTRAPOLATE, PRESSED_HAIR, &[30]),
 ];
 
 /// Largest differences of what clamps do: moves \[m\], frames; and how many strands go in another way.

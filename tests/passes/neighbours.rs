@@ -234,17 +234,15 @@ fn lists(engine: &Engine) -> Vec<Vec<u32>> {
 
 /// Planted faults of the passes of this stage.
 pub const FAULTS: &[Fault] = &[
-    (&shaders::sort::CLEAR, "cell_count[cell] = 0u", "cell_count[cell] = 1u", PARTICLES),
-    (&shaders::sort::COUNT, "predicted[i].xyz)], 1u", "predicted[i].xyz)], 2u", PARTICLES),
-    (&shaders::sort::TOTAL, "Row(entries,", "Row(entries + u32(row == 3u),", PARTICLES),
-    (&shaders::sort::SCAN, "sums[lane] += before", "sums[lane] += before + vec2u(u32(lane == 9u))", PARTICLES),
-    (&shaders::sort::START, "running += counts.all", "running += counts.all + u32(x == 0u)", PARTICLES),
-    (&shaders::sort::START, "min(first + LANES, end)", "min(first + LANES - 1u, end)", PARTICLES),
-    (&shaders::sort::SCATTER, "[i]] = i", "[i]] = max(i, 1u)", PARTICLES),
-    (&shaders::sort::ORDER, "scattered[e] < i", "scattered[e] > i", PARTICLES),
-    (&shaders::neighbours::LIST, "found += countOneBits(bits)", "found += countOneBits(bits & 127u)", PARTICLES),
-    (&shaders::neighbours::LIST, "~(1u << (e - itself.x))", "~(2u << (e - itself.x))", CROWDED),
-    (&shaders::neighbours::LIST, "select(found, middle, params.model == TWO_WAY)", "found", CROWDED),
+    (&shaders::sort::CLEAR, PARTICLES, &[12]),
+    (&shaders::sort::COUNT, PARTICLES, &[9]),
+    (&shaders::sort::TOTAL, PARTICLES, &[18]),
+    (&shaders::sort::SCAN, PARTICLES, &[24]),
+    (&shaders::sort::START, PARTICLES, &[26, 55]),
+    (&shaders::sort::SCATTER, PARTICLES, &[11]),
+    (&shaders::sort::ORDER, PARTICLES, &[19]),
+    (&shaders::neighbours::LIST, PARTICLES, &[191]),
+    (&shaders::neighbours::LIST, CROWDED, &[272, 304]),
 ];
 
 /// Neighbours that stage `neighbours` lists of the initial positions; the list grows as the simulation would grow it.

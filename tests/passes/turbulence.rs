@@ -186,24 +186,18 @@ impl Walk<'_> {
 
 /// Planted faults of the passes of this stage.
 pub const FAULTS: &[Fault] = &[
-    (&shaders::turbulence::LOCATE, "f32(is_air(i))", "1.0", PUBLISHED),
-    (&shaders::turbulence::WEIGH, "params.air_volume *", "0.99 * params.air_volume *", PARTICLES),
-    (&shaders::turbulence::BAND, "3.0 - q", "2.9 - q", PUBLISHED),
-    (
-        &shaders::turbulence::DEPOSIT,
-        "kept[1] += from_lane(given[1], 4u)",
-        "kept[1] += from_lane(given[0], 4u)",
-        PARTICLES,
-    ),
-    (&shaders::turbulence::SMOOTH_X, "sum = next4(sum)", "sum = sum", PARTICLES),
-    (&shaders::turbulence::SMOOTH_Y, "value.xyz, curve", "value.xyz, 1.01 * curve", PARTICLES),
-    (&shaders::turbulence::SMOOTH_Z, "value.w * gauss", "0.99 * value.w * gauss", PARTICLES),
-    (&shaders::turbulence::GATHER, "mesh.gain", "0.9 * mesh.gain", PARTICLES),
-    (&shaders::turbulence::VORTICITY, "omega -= cross", "omega -= 0.9 * cross", PARTICLES),
-    (&shaders::turbulence::CONFINE, "before + change(i,", "before + 0.9 * change(i,", PARTICLES),
-    (&shaders::reduce::CHANGES, "sums[local] += sums[lane]", "sums[local] = sums[lane]", PARTICLES),
-    (&shaders::turbulence::STRENGTHEN, "sum / air", "0.5 * sum / air", PARTICLES),
-    (&shaders::turbulence::STRENGTHEN, "+= confinement[i]", "-= confinement[i]", PARTICLES),
+    (&shaders::turbulence::LOCATE, PUBLISHED, &[7]),
+    (&shaders::turbulence::WEIGH, PARTICLES, &[11]),
+    (&shaders::turbulence::BAND, PUBLISHED, &[25]),
+    (&shaders::turbulence::DEPOSIT, PARTICLES, &[59]),
+    (&shaders::turbulence::SMOOTH_X, PARTICLES, &[73]),
+    (&shaders::turbulence::SMOOTH_Y, PARTICLES, &[15]),
+    (&shaders::turbulence::SMOOTH_Z, PARTICLES, &[10]),
+    (&shaders::turbulence::GATHER, PARTICLES, &[88]),
+    (&shaders::turbulence::VORTICITY, PARTICLES, &[20]),
+    (&shaders::turbulence::CONFINE, PARTICLES, &[94]),
+    (&shaders::reduce::CHANGES, PARTICLES, &[50]),
+    (&shaders::turbulence::STRENGTHEN, PARTICLES, &[33, 9]),
 ];
 
 /// Steps since the start: half of the ramp.

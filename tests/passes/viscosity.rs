@@ -41,12 +41,12 @@ impl Walk<'_> {
 
 /// Planted faults of the passes of this stage.
 pub const FAULTS: &[Fault] = &[
-    (&shaders::viscosity::LIMIT, "2.0 * root", "1.9 * root", PARTICLES),
-    (&shaders::viscosity::LIMIT, "i < points.end", "i + 1u < points.end", CROWDED),
-    (&shaders::viscosity::LIMIT, "(i, exchange[i].deformation)", "(i, 0.0)", PRESSED_HAIR),
-    (&shaders::viscosity::XSPH, "(i, exchange[i].deformation)", "(i, 0.0)", DIVERGENCE),
-    (&shaders::viscosity::XSPH, "4.0 * mass", "3.9 * mass", PARTICLES),
-    (&shaders::viscosity::XSPH, "0.0 || holds", "0.0 && holds", CROWDED),
+    (&shaders::viscosity::LIMIT, PARTICLES, &[8]),
+    (&shaders::viscosity::LIMIT, CROWDED, &[211]),
+    (&shaders::viscosity::LIMIT, PRESSED_HAIR, &[32]),
+    (&shaders::viscosity::XSPH, DIVERGENCE, &[52]),
+    (&shaders::viscosity::XSPH, PARTICLES, &[40]),
+    (&shaders::viscosity::XSPH, CROWDED, &[34]),
 ];
 
 #[test]

@@ -1,6 +1,8 @@
 //! Code that the tests share: the software adapter, scenes made in code, particles in awkward numbers.
 #![allow(dead_code, unreachable_pub, clippy::unwrap_used, missing_docs)]
 
+pub mod fault;
+
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use glam::{DQuat, DVec3};

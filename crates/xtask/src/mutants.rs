@@ -1,7 +1,7 @@
 //! `cargo xtask mutants [PART [SHARD]]`: the code with one small fault at a time, and whether a test notices it.
 //!
 //! cargo-mutants makes the faults in Rust and runs the tests of the part in a copy of the tree. Those of the shaders
-//! are the project's own (`FAULTS` in tests/passes). The results are written into benches/results/mutants.md,
+//! are in values that `FAULTS` in tests/passes numbers. The results are written into benches/results/mutants.md,
 //! where other parts and shards stay as they are.
 
 use std::collections::BTreeMap;
@@ -67,7 +67,7 @@ const PARTS: &[Part] = &[
         shard: "0/32",
     },
 ];
-/// The part whose faults are planted by hand.
+/// The part whose faults are planted by the tests of passes.
 const SHADERS: &str = "shaders";
 
 pub(crate) fn test(words: &[&str]) -> Result {
@@ -260,7 +260,7 @@ fn section(tried: &Tried, reasons: &BTreeMap<String, String>) -> String {
     text
 }
 
-/// Plants the project's own faults in the shaders; returns their section of the page.
+/// Plants the faults of the shaders; returns their section of the page.
 fn planted(mut command: Command) -> Result<String> {
     let words = ["test", "--workspace", "--test", "passes", "a_difference_is_named", "--", "--nocapture"];
     let output =
