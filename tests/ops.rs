@@ -1,6 +1,6 @@
 //! Single passes on arrays of the caller's own work in free space as in a box, and name bad arguments.
-//! `windswept_validate`'s check `reference` compares them with the reference, `tests/passes` the passes below them on many
-//! sizes and layouts.
+//! `windswept_validate`'s check `reference` compares them with the reference, `tests/passes` the passes below them on
+//! many sizes and layouts.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod support;

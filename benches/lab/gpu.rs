@@ -127,8 +127,8 @@ fn measure(lab: &Lab, name: &str, file: &str, keys: &[&str], arguments: &Argumen
         all_bytes += bytes;
         all_operations += operations;
         let mut pass = json!({
-            "pass": row.pass, "name": row.name, "runs": row.runs, "ms": row.ms, "bytes": bytes, "operations": operations,
-            "more": planned.operations.more,
+            "pass": row.pass, "name": row.name, "runs": row.runs, "ms": row.ms, "bytes": bytes,
+            "operations": operations, "more": planned.operations.more,
         });
         if let Some(band) = row.band {
             pass["band"] = band.into();
@@ -144,7 +144,8 @@ fn measure(lab: &Lab, name: &str, file: &str, keys: &[&str], arguments: &Argumen
     let (least, median) = (walls[0], walls[walls.len() / 2]);
     let particles = timed.simulation.engine().sizes().particles;
     println!(
-        "{name}: {particles} particles, passes {gpu_ms:.3} ms, a step by itself {median:.3} ms (least {least:.3}), in a row {in_a_row:.3} ms, \
+        "{name}: {particles} particles, passes {gpu_ms:.3} ms, a step by itself {median:.3} ms \
+         (least {least:.3}), in a row {in_a_row:.3} ms, \
          on the GPU {on_the_gpu:.3} ms, encoded in {of_the_host:.3} ms"
     );
     let mut of_scene = json!({

@@ -51,7 +51,7 @@ struct Lab {
     gpu: Gpu,
     /// Folder to write into.
     out: PathBuf,
-    /// Whether the run has few settings and short runs, which show that it works and measure nothing: it writes nothing.
+    /// Whether the run has few settings and short runs, which show that it works. It measures and writes nothing.
     quick: bool,
 }
 

@@ -188,7 +188,8 @@ fn page_head(_: &str) -> String {
     "# What the rule picks\n\nMade by `cargo xtask bench precision`; see [README](../README.md). \
      The rule: of the settings within 10 % of the floor, the cheapest. \
      The floor is the least error, or the uncertainty of the value that it is taken from. \
-     Where a single setting reaches it there is no floor, and the rule chooses the knee, after which twice the time buys less than a \
+     Where a single setting reaches it there is no floor, and the rule chooses the knee, \
+     after which twice the time buys less than a \
      halving of the error.\n"
         .to_owned()
 }

@@ -1,7 +1,7 @@
 //! Cost of turbulence: `cargo xtask bench price [--small] [--rounds N]`.
 //!
 //! Two bounds, on one adapter in one run: a step of fig3c (s = 18 mm) takes at most 1.05 times as long as one of fig2b
-//! (6 mm), and all of turbulence at 6 mm at most 0.35 of what it takes by the direct sum cut at 3 s. Writes `price.csv`,
+//! (6 mm), and all of turbulence at 6 mm at most 0.35 of its time by the direct sum cut at 3 s. Writes `price.csv`,
 //! and fails where one is passed.
 
 use std::time::Instant;

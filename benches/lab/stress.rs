@@ -69,7 +69,8 @@ pub(crate) fn run(lab: &Lab, arguments: &Arguments) -> Result<()> {
 fn head(text: &str) -> String {
     let (holding, failing) = (text.matches("| yes |").count(), text.matches("| **no**").count());
     format!(
-        "# Stress\n\nMade by `cargo xtask bench stress`; [README](../README.md#stress) says how to read it. {holding} of {} rows hold.\n",
+        "# Stress\n\nMade by `cargo xtask bench stress`; [README](../README.md#stress) says how to read it. \
+         {holding} of {} rows hold.\n",
         holding + failing
     )
 }

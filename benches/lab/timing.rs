@@ -76,8 +76,8 @@ impl Timed {
     }
 }
 
-/// Times of the passes of a step Δt of each scene \[ms\]: of each pass the least of `rounds`, in each of which every scene
-/// runs once. Other work of a machine only adds time, and adds it to all scenes alike.
+/// Times of the passes of a step Δt of each scene \[ms\]: of each pass the least of `rounds`, in each of which every
+/// scene runs once. Other work of a machine only adds time, and adds it to all scenes alike.
 pub(crate) fn by_turns(gpu: &Gpu, scenes: &[(Scene, InitialState)], rounds: u32) -> Result<Vec<Vec<PassReport>>> {
     let mut least: Vec<BTreeMap<Key, PassReport>> = vec![BTreeMap::new(); scenes.len()];
     for _ in 0..rounds {

@@ -93,7 +93,7 @@ mod tests {
     use crate::console::Console;
 
     fn row(test: &str, measured: f64) -> Row {
-        Row { test: test.to_owned(), expected: 1.0, measured, tolerance: 1e-6, unit: "m", source: "here" }
+        Row::new(test, 1.0, measured, 1e-6, "here").in_unit("m")
     }
 
     /// One row that does not pass, or could not be measured, ends the command with status 1; none with 0.

@@ -77,8 +77,8 @@ struct Slide {
     hair: &'static str,
     first: DVec3,
     steps: u64,
-    /// Distance of the strand from the surface, the depth in it, or 0 \[m\].
-    off: fn(&[DVec3]) -> f64,
+    /// How far the strand is off the surface, of this before the step and its points after it \[m\].
+    off: fn(f64, &[DVec3]) -> f64,
     /// Names of the row of how far it slides and of that of how far it is off, after and before the slope.
     names: [&'static str; 3],
     /// Tolerances: of what it slides, over it; where it stays \[m\]; of the distance from the surface \[m\].
@@ -93,7 +93,7 @@ fn on_a_bar() -> Slide {
         hair: "length = 0.03",
         first: RADIUS * DVec3::Y,
         steps: 200,
-        off: |x| farthest(x.iter().map(|x| x.y.hypot(x.z) - RADIUS), 0.0),
+        off: |_, x| farthest(x.iter().map(|x| x.y.hypot(x.z) - RADIUS), 0.0),
         names: ["hair on a slope of", "slides", "off the surface"],
         tolerances: [4e-4, 2.6e-7, 1.3e-8],
         sources: [SLIDES, STAYS, TOUCHES],
@@ -130,9 +130,9 @@ fn on_bars() -> Slide {
         hair: "length = 0.09\nradius = 2e-4",
         first: DVec3::new(-0.045, THIN, 0.0),
         steps: 70,
-        off: |x| {
+        off: |before, x| {
             let nearest = |bar| x.windows(2).map(|ends| to_segment(DVec3::X * bar, ends)).fold(1.0, f64::min);
-            (THIN - nearest(-0.03)).max(THIN - nearest(0.03)).max(0.0)
+            before.max(THIN - nearest(-0.03)).max(THIN - nearest(0.03))
         },
         names: ["segments on bars that slope", "slide", "deepest place"],
         tolerances: [0.02, 1e-5, 1e-5],
@@ -164,11 +164,11 @@ impl Slide {
         initial.hair.positions.iter_mut().for_each(|x| *x += onto);
         let start = initial.hair.positions.clone();
         let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
-        let (mut end, mut off) = (Vec::new(), Vec::new());
+        let (mut end, mut off) = (Vec::new(), 0.0);
         for _ in 0..self.steps {
             simulation.step(1)?;
             end = vectors(&simulation.frame()?.hair.positions);
-            off.push((self.off)(&end));
+            off = (self.off)(off, &end);
         }
         let t = self.steps as f64 * STEP;
         let expected = 0.5 * GRAVITY * (angle.sin() - FRICTION * angle.cos()).max(0.0) * t * t;
@@ -178,8 +178,7 @@ impl Slide {
             if expected > 0.0 { (part * expected, self.sources[0]) } else { (stays, self.sources[1]) };
         Ok([
             Row::new(format!("{name} {slope}: {slides}"), expected, slid, tolerance, source).in_unit("m"),
-            Row::new(format!("{name} {slope}: {surface}"), 0.0, farthest(off, 0.0), touches, self.sources[2])
-                .in_unit("m"),
+            Row::new(format!("{name} {slope}: {surface}"), 0.0, off, touches, self.sources[2]).in_unit("m"),
         ])
     }
 }

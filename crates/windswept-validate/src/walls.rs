@@ -99,7 +99,7 @@ struct Beside {
 }
 
 impl Tunnel {
-    /// A cylinder of 12 mm in a wind of 3 m/s, in air whose spacing is so many times the paper's, with so many substeps.
+    /// A cylinder of 12 mm in a wind of 3 m/s, in air of so many times the paper's spacing, with so many substeps.
     #[must_use]
     pub fn cylinder(solver: FluidSolver, coarseness: f64, substeps: u32) -> Self {
         Self { solver, coarseness, substeps, ..THIN }
@@ -141,7 +141,9 @@ impl Tunnel {
         let fringe = if self.wind == 0.0 { "fringe = 0.0" } else { "" };
         Ok(Scene::parse(&format!(
             "gravity = [0, 0, 0]\ntime = {{ step = {STEP}, substeps = {}, duration = 10.0 }}\ninteraction.model = \"two-way\"\n\
-             fluid.solver = \"{}\"\n[air]\nparticle_mass = {}\nkernel_radius = {}\nbox = {{ min = [0, 0, 0], max = [{x}, {y}, {z}] }}\nwind = [{}, 0, 0]\nramp = 0.0\nskin_friction = {}\n{fringe}\n\
+             fluid.solver = \"{}\"\n[air]\nparticle_mass = {}\nkernel_radius = {}\n\
+             box = {{ min = [0, 0, 0], max = [{x}, {y}, {z}] }}\n\
+             wind = [{}, 0, 0]\nramp = 0.0\nskin_friction = {}\n{fringe}\n\
              [[body]]\nname = \"body\"\nradius = {radius}\n{shape}\n{motion}\n{tables}",
             self.substeps,
             self.solver.word(),

@@ -14,9 +14,11 @@ use crate::{
     rods::{self, BEND_OVER_TWIST, GRAVITY, Rod},
 };
 
-pub(super) const STIFFNESSES: &str = "bend stiffness times 1e-6 to 1e6 (γ = 1e7 to 1e-5), stretch stiffness times 1e-2 to 1e4; hair alone, and fewer of \
+pub(super) const STIFFNESSES: &str = "bend stiffness times 1e-6 to 1e6 (γ = 1e7 to 1e-5), stretch stiffness times \
+    1e-2 to 1e4; hair alone, and fewer of \
     them in still air, each other model and fluid solver";
-pub(super) const SIZES: &str = "2 to 1024 points; radius 1 to 500 µm; length 1 mm to 10 m; as they are, and 1 km from the origin; hair alone, and fewer of them in \
+pub(super) const SIZES: &str = "2 to 1024 points; radius 1 to 500 µm; length 1 mm to 10 m; as they are, and \
+    1 km from the origin; hair alone, and fewer of them in \
     still air, each other model and fluid solver";
 
 /// Density of a hair \[kg/m³\], its Young's modulus \[Pa\] and usual radius \[m\].
@@ -59,7 +61,8 @@ impl Strand {
         let Self { points, radius, length, .. } = self;
         let (_, stretch, bend) = self.properties();
         format!(
-            "[[hair]]\nname = \"{name}\"\nstrands = 1\npoints = {points}\nlength = {length}\nradius = {radius}\ndensity = {DENSITY}\n\
+            "[[hair]]\nname = \"{name}\"\nstrands = 1\npoints = {points}\nlength = {length}\nradius = {radius}\n\
+             density = {DENSITY}\n\
              stretch_stiffness = {stretch}\nbend_stiffness = {bend}\ntwist_stiffness = {}\n\
              roots = {{ center = {root:?}, radius = 1e-9, direction = [1, 0, 0] }}\n",
             bend / BEND_OVER_TWIST
