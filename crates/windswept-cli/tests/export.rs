@@ -199,8 +199,8 @@ fn what_cannot_be_exported_is_refused() {
     refused(&["usd", "--out", "out/hair.usda"], "belongs to the run");
     refused(&["npz", "--out", "film.usda"], "ends in .npz");
     refused(&["npz", "--out", "none/film.npz"], "a folder that is there");
-    refused(&["vtkhdf"], "expected usd or usdc or npz");
-    refused(&["mov"], "expected usd or usdc or npz");
+    refused(&["vtkhdf"], "expected one of usd, usdc, npz");
+    refused(&["mov"], "expected one of usd, usdc, npz");
     // The way to Alembic is the one that the page says, which was run.
     let page = include_str!("../../../docs/other-programs.md");
     let way = page.split("blender --background").find(|part| part.contains("alembic_export")).expect("a way");

@@ -63,7 +63,7 @@ fn film_format(word: &str) -> Result<&'static FilmFile, String> {
     }
     let names: Vec<_> = Format::of_films().map(|(format, _)| format.name).collect();
     let found = Format::of_films().find(|(format, _)| format.name == word);
-    found.map(|(_, film)| film).ok_or_else(|| format!("expected {}", names.join(" or ")))
+    found.map(|(_, film)| film).ok_or_else(|| format!("expected one of {}", names.join(", ")))
 }
 
 fn film_formats_help() -> String {
@@ -73,7 +73,7 @@ fn film_formats_help() -> String {
 
 fn film_help() -> String {
     let files: Vec<_> = Format::of_films().map(|(_, film)| film.file).collect();
-    format!("File to write [default: {} in DIR]", files.join(" or "))
+    format!("File to write [default: one of {} in DIR]", files.join(", "))
 }
 
 #[derive(Debug, Args)]
