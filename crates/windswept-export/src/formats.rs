@@ -28,10 +28,13 @@ pub struct Format {
     pub made_again: bool,
     /// Makes the sink of a run, and changes nothing: files are made when the first frame is appended. Where frames are
     /// there already, the sink can go on behind them, and [`FrameSink::cut`] drops what is there beyond.
-    pub create: Option<fn(&Start<'_>) -> Result<Box<dyn FrameSink>, ExportError>>,
+    pub create: Option<CreateSink>,
     /// The one file that is made of the strands of a run that is over.
     pub film: Option<FilmFile>,
 }
+
+/// Makes the sink that a run's frames are written into.
+pub type CreateSink = fn(&Start<'_>) -> Result<Box<dyn FrameSink>, ExportError>;
 
 /// A file that holds a whole film of strands.
 #[derive(Debug)]

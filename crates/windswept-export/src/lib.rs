@@ -33,7 +33,7 @@ pub use error::ExportError;
 pub use film::Film;
 pub use folder::{CHECKPOINT, Folder, LOCK, Lock, REPORT, SCENE, SHEET, real_path};
 pub use followers::Followers;
-pub use formats::{DEFAULT_FORMATS, FORMATS, FilmFile, Format, files_of_run, files_with_made};
+pub use formats::{CreateSink, DEFAULT_FORMATS, FORMATS, FilmFile, Format, files_of_run, files_with_made};
 pub use image;
 #[cfg(feature = "vtkhdf")]
 pub use measure::measure_film;
