@@ -150,7 +150,8 @@ fn a_stage_has_one_file_in_each_of_three_places() {
             ("step", read("crates/windswept/src/step.rs"), format!("{stage}::record(")),
             ("reference's step", reference_of("step"), format!("{stage}::run(")),
             ("reference", reference_of(&stage), "\npub fn run(".to_owned()),
-            ("walk", test.clone(), format!("pub fn {stage}(&mut self")),
+            ("comparisons", test.clone(), "\npub const ROWS: &[Row]".to_owned()),
+            ("walk", read("tests/passes/walk.rs"), format!("{stage}::ROWS")),
             ("faults", test, "\npub const FAULTS: &[Fault]".to_owned()),
             ("planted faults", read("tests/passes/steps.rs"), format!("{stage}::FAULTS")),
         ] {

@@ -6,7 +6,10 @@ use glam::DVec3;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept::internals::step;
-use windswept_reference::{State as Reference, commit, contact, forcing, rods, step::Scratch};
+use windswept_reference::{
+    State as Reference, commit, contact, forcing, rods,
+    step::{Scratch, unobserved},
+};
 use windswept_scene::{Body, InitialState, Keyframe, Motion, Scene, Shape, Solid};
 use windswept_shaders::{
     self as shaders,
@@ -23,74 +26,66 @@ use crate::{
     hair::{any, motion, scene_with, set_roots},
     steps::{BODIES, Fault, THIN_BODY, WALLS},
     support::{self, Layout},
-    walk::{Same, Walk, apart, differing, largest},
+    walk::{Both, LENGTH, Row, SPEED, apart, differing, largest},
+    walls::impulses_apart,
 };
 
-impl Walk<'_> {
-    pub fn contact(&mut self, w: &mut Scratch) -> Same {
-        let (fixture, bounds, hair) = (self.fixture, self.bounds, self.p().hair_points);
-        let state = fixture.engine.state();
-        let mut passes = fixture.passes(step::contact::record);
-        if self.p().air {
-            contact::run(w, self.p());
-        }
-        if passes.through("contact/air") {
-            let gap = self.places(&self.vectors(&state.predicted, hair), &w.predicted[hair..], hair);
-            self.same("contact/air", gap, bounds.length)?;
-            let got = self.vectors(&state.new_velocity, hair);
-            self.same("contact/air", apart(&got, &w.new_velocity[hair..]), bounds.speed)?;
-            self.impulses("contact/air", w, hair)?;
-        }
-        if passes.through("contact/body_impulse") {
-            let mut wanted = vec![DVec3::ZERO; self.p().bodies.len()];
-            w.walls.iter().for_each(|wall| wanted[wall.body] += wall.impulse);
-            let air = (w.predicted.len() - hair) as f64;
-            let parts = fixture.engine.read(&state.partial_by_body).unwrap();
-            let sums = parts.chunks(CHUNKS as usize).map(|parts| parts.iter().map(|part| xyz(&part[..3])).sum());
-            self.same("contact/body_impulse", apart(&sums.collect::<Vec<_>>(), &wanted) / air, bounds.speed)?;
-            passes.through("reduce/by_body");
-            let totals: Vec<_> =
-                fixture.engine.read(&state.air_total).unwrap().iter().map(|sums| xyz(&sums[..3])).collect();
-            self.same("reduce/by_body", apart(&totals, &wanted) / air, bounds.speed)?;
-        }
-        passes.finish();
-        Ok(())
-    }
+/// Comparisons of the passes of this stage.
+pub const ROWS: &[Row] = &[
+    ("contact/air", |b| b.air_places(&b.state().predicted, &b.w.predicted), LENGTH),
+    ("contact/air", |b| b.air(&b.state().new_velocity, &b.w.new_velocity), SPEED),
+    ("contact/air", |b| impulses_apart(b, b.p().hair_points), SPEED),
+    (
+        "contact/body_impulse",
+        |b| {
+            let parts = b.read(&b.state().partial_by_body);
+            let sum = |parts: &[[f32; 8]]| parts.iter().map(|part| xyz(&part[..3])).sum();
+            by_body_apart(b, &parts.chunks(CHUNKS as usize).map(sum).collect::<Vec<_>>())
+        },
+        SPEED,
+    ),
+    (
+        "reduce/by_body",
+        |b| {
+            let totals = b.read(&b.state().air_total);
+            by_body_apart(b, &totals.iter().map(|sums| xyz(&sums[..3])).collect::<Vec<_>>())
+        },
+        SPEED,
+    ),
+];
 
-    /// Compares where bodies are after the step.
-    pub fn bodies(&mut self, w: &Scratch) -> Same {
-        let got = self.fixture.engine.read(&self.fixture.engine.state().placed).unwrap();
-        let ends = got.iter().zip(&w.moving.bodies).map(|(got, wanted)| {
-            let [start, end] = wanted.body.shape.round().ends.map(|end| wanted.after.out(end));
-            (xyz(&got.start) - start).length().max((xyz(&got.end) - end).length())
-        });
-        self.same("forcing/bodies", largest(ends), self.bounds.length)
-    }
+/// Largest difference of the impulses that bodies have from air, over its particles.
+fn by_body_apart(b: &Both<'_>, got: &[DVec3]) -> f64 {
+    let mut wanted = vec![DVec3::ZERO; b.p().bodies.len()];
+    b.w.walls.iter().for_each(|wall| wanted[wall.body] += wall.impulse);
+    apart(got, &wanted) / (b.w.predicted.len() - b.p().hair_points) as f64
+}
 
-    /// Compares how strands stand to bodies as the step begins.
-    pub fn begun(&mut self, w: &Scratch) -> Same {
-        self.same("rods/contacts", differing(&stood(self.fixture), &stands(w)), 0.0)?;
-        self.contacts("rods/contacts", w)
-    }
+/// Largest difference of where bodies are after the step.
+pub fn bodies_apart(b: &Both<'_>) -> f64 {
+    let got = b.read(&b.state().placed);
+    largest(got.iter().zip(&contact::place(b.p(), b.s.steps)).map(|(got, wanted)| {
+        let [start, end] = wanted.body.shape.round().ends.map(|end| wanted.after.out(end));
+        (xyz(&got.start) - start).length().max((xyz(&got.end) - end).length())
+    }))
+}
 
-    /// Compares contacts: their states, and forces by what they move.
-    pub fn contacts(&mut self, pass: &'static str, w: &Scratch) -> Same {
-        let (got, wanted) = (read(self.fixture), all(w));
-        let states = [got.iter().map(|a| a.state).collect::<Vec<_>>(), wanted.iter().map(bits).collect()];
-        self.same(pass, differing(&states[0], &states[1]), 0.0)?;
-        let gives = gives(self.fixture);
-        let gaps = got.iter().zip(&wanted).zip(&gives).map(|((a, b), give)| contacts_apart(a, b, *give));
-        self.same(pass, largest(gaps), self.bounds.hair)
-    }
+/// How many contacts are in another state, and the largest difference of their forces by what they move.
+pub fn live_apart(b: &Both<'_>) -> (f64, f64) {
+    let (got, wanted) = (read(b.fixture), all(b.w));
+    let states = [got.iter().map(|a| a.state).collect::<Vec<_>>(), wanted.iter().map(bits).collect()];
+    let gaps = got.iter().zip(&wanted).zip(gives(b.fixture)).map(|((a, b), give)| contacts_apart(a, b, give));
+    (differing(&states[0], &states[1]), largest(gaps))
+}
 
-    /// Compares what contacts keep.
-    pub fn memories(&mut self, s: &Reference) -> Same {
-        let got = self.fixture.engine.read(&self.fixture.engine.state().contact_history).unwrap();
-        let gaps = got.iter().zip(&s.contacts).zip(gives(self.fixture)).map(|((a, b), give)| {
+/// Largest difference of what contacts keep.
+pub fn memories_apart(b: &Both<'_>) -> f64 {
+    let got = b.read(&b.state().contact_history);
+    largest(
+        got.iter().zip(&b.s.contacts).zip(gives(b.fixture)).map(|((a, b), give)| {
             give * ((xyz(&a.friction) - b.friction).length() + (f64::from(a.force) - b.force).abs())
-        });
-        self.same("commit/contacts", largest(gaps), self.bounds.hair)
-    }
+        }),
+    )
 }
 
 /// Contacts of the engine.
@@ -130,15 +125,14 @@ fn contacts_apart(a: &Contact, b: &contact::Contact, give: f64) -> f64 {
 
 /// How strands of the engine stand to bodies: whether they may meet one, whether one wakes them, their embedded points,
 /// and whether they come out.
-fn stood(fixture: &Fixture) -> Vec<[u32; 4]> {
+pub fn stood(fixture: &Fixture) -> Vec<[u32; 4]> {
     fixture.rod_strands().iter().map(|rod| [rod.meets, rod.woken, rod.embedded, rod.comes_out]).collect()
 }
 
-fn stands(w: &Scratch) -> Vec<[u32; 4]> {
-    let of = |motion: &rods::StrandMotion| {
-        [motion.meets.into(), motion.woken.into(), motion.embedded as u32, motion.comes_out.into()]
-    };
-    w.motions.iter().map(of).collect()
+pub fn stands(w: &Scratch) -> Vec<[u32; 4]> {
+    let of =
+        |drive: &rods::Drive| [drive.meets.into(), drive.woken.into(), drive.embedded as u32, drive.comes_out.into()];
+    w.drives.iter().map(of).collect()
 }
 
 /// Planted faults of the passes of contact, and of the rods' solve among bodies.
@@ -268,7 +262,7 @@ fn begin_is_that_of_the_reference() {
         fixture.run_only(&["forcing/bodies", "forcing/reset", "forcing/roots"], step::forcing::record);
         fixture.run_only(&["rods/begin", "rods/contacts"], step::rods::record);
         forcing::recover(&mut s);
-        let mut w = forcing::run(&s, p);
+        let mut w = forcing::run(&s, p, &mut unobserved);
         w.correction = vec![DVec3::ZERO; p.hair_points];
         rods::begin(&s, &mut w, p);
         contact::contacts(&s, &mut w, p);
@@ -356,10 +350,10 @@ fn rods_among_bodies_are_those_of_the_reference() {
                 fixture.adopt(&mut s);
                 fixture.run(step::forcing::record);
                 fixture.run(step::rods::record);
-                let mut w = forcing::run(&s, p);
+                let mut w = forcing::run(&s, p, &mut unobserved);
                 w.correction = vec![DVec3::ZERO; p.hair_points];
-                (w.tangential_spring, w.pressed) = (s.tangential_spring.clone(), s.pressed.clone());
-                rods::run(&mut s, &mut w, p);
+                (w.grip, w.pressed) = (s.grip.clone(), s.pressed.clone());
+                rods::run(&mut s, &mut w, p, &mut unobserved);
                 let within = |apart: &[f64; 4]| apart.iter().zip(AMONG_BODIES).all(|(off, bound)| *off < bound);
                 let (near, astray): (Vec<_>, Vec<_>) = strands_apart(&fixture, &s, &w).into_iter().partition(within);
                 assert!(30 * astray.len() <= n, "{n}, {keys}, {speed} m/s, step {number}: {astray:?}");
@@ -370,7 +364,7 @@ fn rods_among_bodies_are_those_of_the_reference() {
                 touching = [0, 1, 2].map(|k| touching[k].max(counts[k]));
                 fixture.run(step::contact::record);
                 fixture.run(step::commit::record);
-                commit::run(&mut s, w, p).unwrap();
+                commit::run(&mut s, &mut w, p).unwrap();
             }
             let counted = fixture.engine.status().unwrap().counted[UNSOLVED_STEP as usize] as usize;
             println!("{n} strands, {keys}, {speed} m/s, meshes {meshes}: {}, {gone} astray", told(worst));

@@ -5,7 +5,7 @@ use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept::{
     Gpu,
-    internals::{Array, Command, Engine, Plan, Recorder, Recording, Setup, Slots},
+    internals::{Array, Engine, Plan, Recorder, Recording, Setup, Slots},
 };
 use windswept_reference::{
     Parameters, State as Reference,
@@ -90,13 +90,6 @@ impl Fixture {
         recording.commands.retain(|command| passes.contains(&command.pass.name));
         assert!(passes.iter().all(|pass| recording.running().any(|command| command.pass.name == *pass)), "{passes:?}");
         self.engine.replay(&recording).unwrap();
-    }
-
-    /// Passes of a fragment of the step, to run one by one.
-    pub fn passes(&self, record: impl FnOnce(&mut Recorder<'_>, &Plan)) -> Passes<'_> {
-        let mut commands = self.recorded(record).commands;
-        commands.retain(|command| command.skipped.is_none());
-        Passes { fixture: self, commands }
     }
 
     pub fn vectors(&self, array: &Array<[f32; 4]>) -> Vec<DVec3> {
@@ -213,35 +206,6 @@ impl Fixture {
     pub fn write_vectors(&self, array: &Array<[f32; 4]>, values: &[DVec3]) {
         let values: Vec<[f32; 4]> = values.iter().map(|v| v.as_vec3().extend(0.0).to_array()).collect();
         self.engine.write(array, &values).unwrap();
-    }
-}
-
-/// Passes of a fragment of the step, which run one after the other.
-pub struct Passes<'a> {
-    fixture: &'a Fixture,
-    commands: Vec<Command>,
-}
-
-impl Passes<'_> {
-    /// Runs what is left of the fragment up to the next runs of `pass` that have one label, and these. Says whether
-    /// there were any; if there are none, nothing runs.
-    pub fn through(&mut self, pass: &str) -> bool {
-        let Some(first) = self.commands.iter().position(|command| command.pass.name == pass) else { return false };
-        let label = self.commands[first].label;
-        let same = |command: &&Command| command.pass.name == pass && command.label == label;
-        let runs = self.commands[first..].iter().take_while(same).count();
-        self.replay(first + runs);
-        true
-    }
-
-    /// Runs the rest.
-    pub fn finish(mut self) {
-        self.replay(self.commands.len());
-    }
-
-    fn replay(&mut self, passes: usize) {
-        let commands = self.commands.drain(..passes).collect();
-        self.fixture.engine.replay(&Recording { commands }).unwrap();
     }
 }
 

@@ -1,6 +1,8 @@
 //! Stage `neighbours`: the passes that sort particles into cells and list who is near whom. Every pass takes what the
 //! engine's pass before it left; who is near whom is held against the reference.
 
+use std::ops::Range;
+
 use glam::{DVec3, IVec3, Vec3};
 use windswept::{
     Gpu, RunError, ShaderVariant,
@@ -10,18 +12,18 @@ use windswept::{
         step, with_sources, with_variant,
     },
 };
-use windswept_reference::{Parameters, neighbours, step::Scratch};
+use windswept_reference::Parameters;
 use windswept_scene::{InitialState, Model};
 use windswept_shaders::{
     self as shaders,
-    common::{lanes::LANES, params::Params, row::Row},
+    common::{lanes::LANES, params::Params, row::Row as RowOfCells},
 };
 
 use crate::{
     fixture::xyz,
     steps::{CROWDED, Fault, PARTICLES},
     support::{self, Layout, RADIUS, SIZES},
-    walk::{Same, Walk, differing, largest},
+    walk::{Both, EXACT, LENGTH, Row, differing, largest},
 };
 
 /// Distance that rounding may move a particle across the face of a cell \[m\].
@@ -38,6 +40,11 @@ impl Cells {
     /// Cells of a row along x.
     fn in_row(&self) -> usize {
         self.0.cells[0] as usize
+    }
+
+    /// Entries of each row, from those of each cell.
+    fn in_rows(&self, counts: &[u32]) -> Vec<u32> {
+        counts.chunks(self.in_row()).map(|row| row.iter().sum()).collect()
     }
 
     fn of(&self, i: usize, x: Vec3) -> usize {
@@ -76,101 +83,123 @@ impl Cells {
     }
 }
 
-impl Walk<'_> {
-    pub fn neighbours(&mut self, w: &mut Scratch) -> Same {
-        let fixture = self.fixture;
-        let (state, engine) = (fixture.engine.state(), &fixture.engine);
-        let mut passes = fixture.passes(step::neighbours::record);
-        neighbours::run(w, self.p());
-        if !passes.through("sort/clear") {
-            return Ok(());
-        }
-        let cells = Cells(engine.read(&state.params).unwrap()[0]);
-        let counts = || -> Vec<u32> { engine.read(&state.cell_count).unwrap()[..cells.len()].to_vec() };
-        let none = vec![0; cells.len()];
-        self.same("sort/clear", differing(&counts(), &none), 0.0)?;
-
-        assert!(passes.through("sort/count"));
-        let position = engine.read(&state.predicted).unwrap();
-        let position: Vec<Vec3> = position.iter().map(|x| Vec3::new(x[0], x[1], x[2])).collect();
-        let around: Vec<Vec<usize>> = position.iter().enumerate().map(|(i, x)| cells.around(i, *x)).collect();
-        let (mut least, mut most) = (none.clone(), none.clone());
-        for cells in &around {
-            cells.iter().for_each(|cell| most[*cell] += 1);
-            if let [cell] = cells[..] {
-                least[cell] += 1;
+/// Comparisons of the passes of this stage. Each takes what the engine's pass before it left.
+pub const ROWS: &[Row] = &[
+    ("sort/clear", |b| Sorted::of(b).counts.iter().filter(|count| **count != 0).count() as f64, EXACT),
+    (
+        "sort/count",
+        |b| {
+            let Sorted { around, counts, .. } = Sorted::of(b);
+            let (mut least, mut most) = (vec![0; counts.len()], vec![0; counts.len()]);
+            for cells in &around {
+                cells.iter().for_each(|cell| most[*cell] += 1);
+                least[cells[0]] += u32::from(cells.len() == 1);
             }
-        }
-        let counted = counts();
-        let between = |cell: &usize| (least[*cell]..=most[*cell]).contains(&counted[*cell]);
-        let outside = (0..cells.len()).filter(|cell| !between(cell)).count();
-        self.same("sort/count", outside as f64, 0.0)?;
-        let all = counted.iter().sum::<u32>() as f64;
-        self.same("sort/count", (all - position.len() as f64).abs(), 0.0)?;
+            let outside = (0..counts.len()).filter(|cell| !(least[*cell]..=most[*cell]).contains(&counts[*cell]));
+            outside.count() as f64 + (f64::from(counts.iter().sum::<u32>()) - around.len() as f64).abs()
+        },
+        EXACT,
+    ),
+    ("sort/total", |b| rows_differ(b, &Sorted::of(b).rows()), EXACT),
+    (
+        "sort/scan",
+        |b| {
+            let before = Sorted::of(b).rows().into_iter().scan(RowOfCells::default(), |sum, row| {
+                let before = *sum;
+                *sum = RowOfCells { entries: sum.entries + row.entries, clusters: sum.clusters + row.clusters };
+                Some(before)
+            });
+            rows_differ(b, &before.collect::<Vec<_>>())
+        },
+        EXACT,
+    ),
+    (
+        "sort/start",
+        |b| {
+            let Sorted { cells, counts, starts, .. } = &Sorted::of(b);
+            let wanted: Vec<u32> = (0..=counts.len()).map(|cell| counts[..cell].iter().sum()).collect();
+            differing(starts, &wanted) + differing(&b.read(&b.state().members), &cells.members(&cells.in_rows(counts)))
+        },
+        EXACT,
+    ),
+    (
+        "sort/scatter",
+        |b| {
+            let (sorted, mut once) = (Sorted::of(b), Sorted::of(b).scattered(b));
+            let strays = |(cell, range): (usize, Range<usize>)| {
+                let of_cell = |i: &u32| sorted.around.get(*i as usize).is_some_and(|cells| cells.contains(&cell));
+                once[range].iter().filter(|i| !of_cell(i)).count()
+            };
+            let astray: usize = sorted.ranges().map(strays).sum();
+            once.sort_unstable();
+            astray as f64 + differing(&once, &(0..once.len() as u32).collect::<Vec<_>>())
+        },
+        EXACT,
+    ),
+    ("sort/order", |b| differing(&b.read(&b.state().sorted), &Sorted::of(b).scattered(b)), EXACT),
+    (
+        "sort/order",
+        |b| {
+            let places = b.read(&b.state().sorted_position);
+            largest(places.iter().zip(Sorted::of(b).scattered(b)).map(|(got, i)| {
+                let i = i as usize;
+                let gap = b.places(&[xyz(&got[..3])], &[b.w.predicted[i]], i);
+                if got[3] == f32::from(b.p().is_air(i)) { gap } else { f64::INFINITY }
+            }))
+        },
+        LENGTH,
+    ),
+    ("neighbours/list", |b| 0.5 * b.pairs_apart(), LENGTH),
+];
 
-        let rows = cells.len() / cells.in_row();
-        let read_rows = || engine.read(&state.cell_rows).unwrap()[..rows].to_vec();
-        let in_row: Vec<u32> = counted.chunks(cells.in_row()).map(|row| row.iter().sum()).collect();
-        let wanted: Vec<_> = in_row.iter().map(|&entries| Row { entries, clusters: entries.div_ceil(LANES) }).collect();
-        assert!(passes.through("sort/total"));
-        self.same("sort/total", differing(&read_rows(), &wanted), 0.0)?;
+/// State of the engine's sort.
+struct Sorted {
+    cells: Cells,
+    /// Cells that each particle may be in.
+    around: Vec<Vec<usize>>,
+    /// Entries of each cell.
+    counts: Vec<u32>,
+    /// First entry of each cell, and the end of the last.
+    starts: Vec<u32>,
+}
 
-        assert!(passes.through("sort/scan"));
-        let before = wanted.iter().scan(Row::default(), |sum, row| {
-            let before = *sum;
-            *sum = Row { entries: sum.entries + row.entries, clusters: sum.clusters + row.clusters };
-            Some(before)
-        });
-        self.same("sort/scan", differing(&read_rows(), &before.collect::<Vec<_>>()), 0.0)?;
-
-        assert!(passes.through("sort/start"));
-        let sums = counted.iter().scan(0, |sum, count| {
-            *sum += count;
-            Some(*sum)
-        });
-        let wanted: Vec<u32> = std::iter::once(0).chain(sums).collect();
-        let start = engine.read(&state.cell_start).unwrap()[..=cells.len()].to_vec();
-        self.same("sort/start", differing(&start, &wanted), 0.0)?;
-        let members = engine.read(&state.members).unwrap();
-        self.same("sort/start", differing(&members, &cells.members(&in_row)), 0.0)?;
-
-        assert!(passes.through("sort/scatter"));
-        let mut scattered = engine.read(&state.scattered).unwrap();
-        let ranges = || start.windows(2).map(|ends| ends[0] as usize..ends[1] as usize).enumerate();
-        let strays = |entries: &[u32], cell: usize| {
-            entries.iter().filter(|i| !around.get(**i as usize).is_some_and(|cells| cells.contains(&cell))).count()
-        };
-        let astray: usize = ranges().map(|(cell, range)| strays(&scattered[range], cell)).sum();
-        self.same("sort/scatter", astray as f64, 0.0)?;
-        // Ordered by cell, then by index: what `order` is to leave.
-        ranges().for_each(|(_, range)| scattered[range].sort_unstable());
-        let mut once = scattered.clone();
-        once.sort_unstable();
-        self.same("sort/scatter", differing(&once, &(0..once.len() as u32).collect::<Vec<_>>()), 0.0)?;
-
-        assert!(passes.through("sort/order"));
-        self.same("sort/order", differing(&engine.read(&state.sorted).unwrap(), &scattered), 0.0)?;
-        let places = engine.read(&state.sorted_position).unwrap();
-        let wanted: Vec<_> = scattered.iter().map(|i| w.predicted[*i as usize]).collect();
-        let gaps = places.iter().zip(scattered.iter().zip(&wanted)).map(|(got, (i, x))| {
-            let air = self.p().is_air(*i as usize);
-            let gap = self.places(&[xyz(&got[..3])], &[*x], *i as usize);
-            if got[3] == f32::from(air) { gap } else { f64::INFINITY }
-        });
-        let gap = largest(gaps);
-        self.same("sort/order", gap, self.bounds.length)?;
-
-        assert!(passes.through("neighbours/list"));
-        let off = self.pairs_apart(w);
-        self.same("neighbours/list", off, 2.0 * self.bounds.length)?;
-        passes.finish();
-        Ok(())
+impl Sorted {
+    fn of(b: &Both<'_>) -> Self {
+        let (state, cells) = (b.state(), Cells(b.read(&b.state().params)[0]));
+        let around = |(i, x): (usize, &[f32; 4])| cells.around(i, Vec3::new(x[0], x[1], x[2]));
+        let around = b.read(&state.predicted).iter().enumerate().map(around).collect();
+        let counts = b.read(&state.cell_count)[..cells.len()].to_vec();
+        let starts = b.read(&state.cell_start)[..=cells.len()].to_vec();
+        Self { cells, around, counts, starts }
     }
 
+    fn rows(&self) -> Vec<RowOfCells> {
+        let row = |entries: u32| RowOfCells { entries, clusters: entries.div_ceil(LANES) };
+        self.cells.in_rows(&self.counts).into_iter().map(row).collect()
+    }
+
+    /// Entries of each cell.
+    fn ranges(&self) -> impl Iterator<Item = (usize, Range<usize>)> {
+        self.starts.windows(2).map(|ends| ends[0] as usize..ends[1] as usize).enumerate()
+    }
+
+    /// Particles by cell, then by index, as the pass that orders them is to leave them.
+    fn scattered(&self, b: &Both<'_>) -> Vec<u32> {
+        let mut scattered = b.read(&b.state().scattered);
+        self.ranges().for_each(|(_, range)| scattered[range].sort_unstable());
+        scattered
+    }
+}
+
+fn rows_differ(b: &Both<'_>, wanted: &[RowOfCells]) -> f64 {
+    differing(&b.read(&b.state().cell_rows)[..wanted.len()], wanted)
+}
+
+impl Both<'_> {
     /// Largest distance from the kernel radius of a pair that only engine or only reference lists \[m\]: of pairs at
     /// the radius itself rounding decides. A list that does not hold to its layout is infinitely far off.
-    fn pairs_apart(&self, w: &Scratch) -> f64 {
-        let (engine, p) = (&self.fixture.engine, self.p());
+    fn pairs_apart(&self) -> f64 {
+        let (engine, p, w) = (self.engine(), self.p(), self.w);
         let clusters = engine.clusters().unwrap();
         if !each_once(&clusters, w.predicted.len()) || !clusters.iter().all(|cluster| of_kinds(p, cluster)) {
             return f64::INFINITY;

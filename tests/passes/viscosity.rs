@@ -1,43 +1,37 @@
 //! Stage `viscosity`: the passes by which neighbours share velocity.
 
 use windswept::internals::step;
-use windswept_reference::{State as Reference, fluid, step::Scratch, viscosity};
+use windswept_reference::{fluid, step::Scratch, viscosity};
 use windswept_shaders as shaders;
 
 use crate::{
     fixture::{Fixture, each, stirred},
     steps::{BOUNDS, CROWDED, DIVERGENCE, Fault, PARTICLES, PRESSED_HAIR},
     support,
-    walk::{Bounds, Same, Walk, apart, largest, walk},
+    walk::{Bounds, DENSITY, Row, SPEED, largest, walk},
 };
 
-impl Walk<'_> {
-    pub fn viscosity(&mut self, s: &Reference, w: &mut Scratch) -> Same {
-        let (fixture, bounds) = (self.fixture, self.bounds);
-        let state = fixture.engine.state();
-        let mut passes = fixture.passes(step::viscosity::record);
-        viscosity::run(s, w, self.p());
-        if passes.through("viscosity/limit") {
-            if fixture.plan.viscosity.limited_clusters != fixture.engine.sizes().clusters_of_all() {
+/// Comparisons of the passes of this stage.
+pub const ROWS: &[Row] = &[
+    (
+        "viscosity/limit",
+        |b| {
+            let (plan, mut wanted) = (&b.fixture.plan, b.w.exchange.clone());
+            if plan.limited_clusters != plan.sizes.clusters_of_all() {
                 // Air cannot overshoot: its S is below 1, and not looked for.
-                let air = &mut w.exchange[self.p().hair_points..];
+                let air = &mut wanted[b.p().hair_points..];
                 assert!(air.iter().all(|s| *s < 1.0));
                 air.fill(0.0);
             }
+            let shares = b.fixture.exchange(|all| all.share);
+            assert_eq!(shares.len(), wanted.len());
             // Where S is above 1 it is divided by, and counts in parts of itself.
-            let parts = |(got, wanted): (&f64, &f64)| (got - wanted).abs() / wanted.max(1.0);
-            let shares = fixture.exchange(|all| all.share);
-            assert_eq!(shares.len(), w.exchange.len());
-            self.same("viscosity/limit", largest(shares.iter().zip(&w.exchange).map(parts)), bounds.density)?;
-        }
-        if passes.through("viscosity/xsph") {
-            let got = self.vectors(&state.viscous_velocity, 0);
-            self.same("viscosity/xsph", apart(&got, &w.new_velocity), bounds.speed)?;
-        }
-        passes.finish();
-        Ok(())
-    }
-}
+            largest(shares.iter().zip(&wanted).map(|(got, wanted)| (got - wanted).abs() / wanted.max(1.0)))
+        },
+        DENSITY,
+    ),
+    ("viscosity/xsph", |b| b.from(0, &b.state().viscous_velocity, &b.w.new_velocity), SPEED),
+];
 
 /// Planted faults of the passes of this stage.
 pub const FAULTS: &[Fault] = &[
@@ -67,7 +61,10 @@ fn viscosity_and_its_limiter_are_those_of_the_reference() {
             let mut w = Scratch { predicted: s.position.clone(), new_velocity: v, near, density, ..Scratch::default() };
             // Measured 2.1e-6 of S and 3.1e-6 m/s; margin 4.
             let bounds = Bounds { density: 8e-6, speed: 1.2e-5, ..BOUNDS };
-            walk(&format!("{what}, {form:?}"), fixture, &bounds, |walk| walk.viscosity(s, &mut w));
+            walk(&format!("{what}, {form:?}"), fixture, &bounds, step::viscosity::record, |see| {
+                viscosity::run(s, &mut w, p);
+                see("viscosity/xsph", s, &w);
+            });
         });
     }
 }

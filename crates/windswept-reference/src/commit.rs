@@ -1,5 +1,7 @@
 //! Stage `commit`: what a step arrived at is committed, or the run freezes.
 
+use std::mem;
+
 use glam::DVec3;
 use windswept_scene::Model;
 
@@ -10,9 +12,9 @@ use crate::{Parameters, State, contact, fluid::Pressed, forcing::wrap, rods, ste
 ///
 /// # Errors
 /// [`Frozen`] says why nothing was committed.
-pub fn run(s: &mut State, mut w: Scratch, p: &Parameters) -> Result<(), Frozen> {
+pub fn run(s: &mut State, w: &mut Scratch, p: &Parameters) -> Result<(), Frozen> {
     for strand in 0..s.hair.len() {
-        if hold(s, strand, &mut w) && !s.failed[strand] {
+        if hold(s, strand, w) && !s.failed[strand] {
             s.failed[strand] = true;
             s.resets += 1;
         }
@@ -81,7 +83,7 @@ pub fn check(p: &Parameters, bad: usize, positions: &[DVec3], velocities: &[DVec
 /// the velocities that it had with all that acted from outside since. Placed hair starts anew, but for a sleeping
 /// strand's velocity of the step before: a constant push on a sleeping strand must not kick it when it wakes, and BDF2
 /// takes a third of the change of it.
-pub fn commit(p: &Parameters, s: &mut State, w: Scratch) {
+pub fn commit(p: &Parameters, s: &mut State, w: &mut Scratch) {
     for (k, segment) in w.moving.segments.iter().enumerate() {
         let anew = segment.step.is_infinite();
         let turn = if anew {
@@ -118,8 +120,8 @@ pub fn commit(p: &Parameters, s: &mut State, w: Scratch) {
     for (clamp, motion) in s.clamps.iter_mut().zip(&w.motions) {
         *clamp = (clamp.0 + motion.root_displacement, motion.root_frame);
     }
-    s.tangential_spring = w.tangential_spring;
-    s.pressed = w.pressed;
+    s.grip = mem::take(&mut w.grip);
+    s.pressed = mem::take(&mut w.pressed);
     for (i, point) in w.moving.points.iter().enumerate() {
         let strand = p.strand_of[i];
         if s.failed[strand] || point.step.is_infinite() && !s.sleeping[strand] {
@@ -136,10 +138,10 @@ pub fn commit(p: &Parameters, s: &mut State, w: Scratch) {
             *impulse += p.air_mass * *coarse;
         }
     }
-    s.position = w.predicted;
+    s.position = mem::take(&mut w.predicted);
     for x in &mut s.position[p.hair_points..] {
         *x = wrap(p, *x);
     }
-    s.velocity = w.new_velocity;
+    s.velocity = mem::take(&mut w.new_velocity);
     s.steps += 1;
 }

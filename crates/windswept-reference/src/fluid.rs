@@ -25,7 +25,7 @@ use crate::{
     Parameters, State,
     neighbours::Neighbours,
     sph_kernels::{poly6, spiky_gradient},
-    step::Scratch,
+    step::{Observer, Scratch},
 };
 
 /// C of air beyond which a move of the density constraint becomes no velocity.
@@ -33,7 +33,7 @@ pub const ABRUPT: f64 = 0.2;
 
 /// Runs the stage: the pressure of solver `divergence`, of air or of hair and air; and density constraints (eq. 1) of
 /// all that it leaves out. Where none is solved the density is found all the same, for viscosity.
-pub fn run(s: &State, w: &mut Scratch, p: &Parameters) {
+pub fn run(s: &State, w: &mut Scratch, p: &Parameters, see: &mut Observer<'_>) {
     w.correction = vec![DVec3::ZERO; w.predicted.len()];
     w.tangential_spring.clone_from(&s.tangential_spring);
     w.pressed.clone_from(&s.pressed);
@@ -46,54 +46,57 @@ pub fn run(s: &State, w: &mut Scratch, p: &Parameters) {
         (FluidSolver::Divergence, _) => 0,
     };
     w.density = vec![0.0; w.predicted.len()];
-    if p.solver == FluidSolver::Divergence {
-        pressure::run(s, w, p);
-    }
-    let multiplier = constrain(s, w, p, constrained);
+    let multiplier = constrain(s, w, p, constrained, see);
     if p.has_friction() {
-        let points: Vec<_> = (0..p.hair_points).map(|i| slip(p, s, i, w.correction[i], multiplier[i])).collect();
-        let normal_impulses = normal_impulse(p, &w.predicted, &s.inverse_mass, &s.volume, &points, &w.near);
+        let slipping = |i: usize| slip(p, s, i, w.correction[i], multiplier[i]);
+        w.friction_points = (0..p.hair_points).map(slipping).collect();
+        see("fluid/slip", s, w);
+        let (x, points) = (&w.predicted, &w.friction_points);
+        w.normal_impulses = normal_impulse(p, x, &s.inverse_mass, &s.volume, points, &w.near);
         let change;
-        (change, w.tangential_spring) = friction(
-            p,
-            &w.predicted,
-            &s.tangential_spring,
-            &s.inverse_mass,
-            &s.volume,
-            &points,
-            &normal_impulses,
-            &w.near,
-        );
-        for (i, change) in change.into_iter().enumerate() {
-            w.predicted[i] += p.step * change;
-            w.correction[i] += p.step * change;
+        (change, w.grip) = friction(p, x, &s.grip, &s.inverse_mass, &s.volume, points, &w.normal_impulses, &w.near);
+        w.shift = change.into_iter().map(|change| p.step * change).collect();
+        see("fluid/friction", s, w);
+        for (i, shift) in w.shift.iter().enumerate() {
+            w.predicted[i] += *shift;
+            w.correction[i] += *shift;
         }
+        see("fluid/move", s, w);
     }
-    if p.solver == FluidSolver::Pbf {
-        for i in p.hair_points..w.predicted.len() {
-            w.new_velocity[i] = velocity(p, w.new_velocity[i], w.correction[i]);
-            w.correction[i] = DVec3::ZERO;
+    match p.solver {
+        FluidSolver::Pbf => {
+            for i in p.hair_points..w.predicted.len() {
+                w.new_velocity[i] = velocity(p, w.new_velocity[i], w.correction[i]);
+                w.correction[i] = DVec3::ZERO;
+            }
+            see("fluid/velocity", s, w);
         }
+        FluidSolver::Divergence => pressure::run(s, w, p, constrained, see),
     }
 }
 
 /// Solves the density constraint of the first `count` particles. Returns the sum of each hair point's multipliers times
 /// the relaxation \[kg m²\].
-fn constrain(s: &State, w: &mut Scratch, p: &Parameters, count: usize) -> Vec<f64> {
+fn constrain(s: &State, w: &mut Scratch, p: &Parameters, count: usize, see: &mut Observer<'_>) -> Vec<f64> {
     let mut multiplier = vec![0.0; p.hair_points];
     for iteration in 0..p.fluid_iterations.max(1) {
         let x = &w.predicted[..count];
-        let (density, lambda) = density(p, x, &s.inverse_mass, &s.volume, &w.near);
+        let density;
+        (density, w.multiplier) = self::density(p, x, &s.inverse_mass, &s.volume, &w.near);
         w.density[..count].copy_from_slice(&density);
+        w.felt = felt(p, &density, &w.multiplier);
+        see("fluid/density", s, w);
         if iteration < p.fluid_iterations {
-            let shift = correct(p, x, &s.inverse_mass, &s.volume, &w.near, &lambda);
-            let felt = felt(p, &density, &lambda);
-            let velocity_shift = correct(p, x, &s.inverse_mass, &s.volume, &w.near, &felt);
-            for (i, (shift, felt)) in shift.into_iter().zip(velocity_shift).enumerate() {
-                w.predicted[i] += shift;
-                w.correction[i] += felt;
+            let x = &w.predicted[..count];
+            w.shift = correct(p, x, &s.inverse_mass, &s.volume, &w.near, &w.multiplier);
+            w.velocity_shift = correct(p, x, &s.inverse_mass, &s.volume, &w.near, &w.felt);
+            see("fluid/correct", s, w);
+            for (i, (shift, felt)) in w.shift.iter().zip(&w.velocity_shift).enumerate() {
+                w.predicted[i] += *shift;
+                w.correction[i] += *felt;
             }
-            multiplier.iter_mut().zip(&lambda).for_each(|(sum, lambda)| *sum += p.relaxation * lambda);
+            see("fluid/move", s, w);
+            multiplier.iter_mut().zip(&w.multiplier).for_each(|(sum, lambda)| *sum += p.relaxation * lambda);
         }
     }
     multiplier

@@ -15,51 +15,51 @@ pub(crate) use self::reset::FAR;
 pub use self::reset::{inspect, recover, reset};
 use crate::{
     Parameters, State, contact, fluid,
-    rods::{self, StrandMotion, rotation, rotation_vector},
-    step::Scratch,
+    rods::{self, Drive, rotation, rotation_vector},
+    step::{Observer, Scratch},
 };
 
 /// Runs the stage: clamps and bodies move, the wind enters, air moves, and hair drifts among it as if nothing held it.
 #[must_use]
-pub fn run(s: &State, p: &Parameters) -> Scratch {
-    let motions = (0..s.hair.len()).map(|strand| roots(p, s, strand)).collect();
-    let blowing = mean_wind(p, s.steps + 1);
-    let mut predicted = s.position.clone();
-    let mut new_velocity = s.velocity.clone();
-    for (i, place) in predicted[..p.hair_points].iter_mut().enumerate() {
-        *place = hair_drift(p, s, i);
+pub fn run(s: &State, p: &Parameters, see: &mut Observer<'_>) -> Scratch {
+    let mut w = Scratch {
+        blowing: mean_wind(p, s.steps + 1),
+        drives: (0..s.hair.len()).map(|strand| roots(p, s, strand)).collect(),
+        moving: rods::Moving { bodies: contact::place(p, s.steps), ..rods::Moving::default() },
+        predicted: s.position.clone(),
+        new_velocity: s.velocity.clone(),
+        ..Scratch::default()
+    };
+    see("forcing/roots", s, &w);
+    w.predicted[..p.hair_points].iter_mut().enumerate().for_each(|(i, x)| *x = hair_drift(p, s, i));
+    see("forcing/hair_drift", s, &w);
+    if p.solver == FluidSolver::Divergence && p.model == Model::Particles {
+        w.new_velocity[..p.hair_points].iter_mut().enumerate().for_each(|(i, v)| *v = extrapolate(p, s, i));
+        see("forcing/extrapolate", s, &w);
     }
     let air = p.hair_points..s.position.len();
-    let fringe_deficit = fringe_deficit(p, s.steps, &s.position[air.clone()], &s.velocity[air.clone()]);
-    let wind_deficit = hold(p, s.steps, fringe_deficit);
-    let added = |i: usize| {
-        let wind = fringe(p, s.steps, wind_deficit, s.position[i], s.velocity[i]);
-        wind + drive_air(p, s.steps, s.position[i], s.velocity[i] + wind) + push_air(p, s, i)
-    };
-    let wind_change: Vec<_> = air.clone().map(added).collect();
-    for (i, change) in air.zip(&wind_change) {
+    w.fringe_deficit = fringe_deficit(p, s.steps, &s.position[air.clone()], &s.velocity[air.clone()]);
+    w.wind_deficit = hold(p, s.steps, w.fringe_deficit);
+    let wind = |i: usize| fringe(p, s.steps, w.wind_deficit, s.position[i], s.velocity[i]);
+    w.wind_change = air.clone().map(wind).collect();
+    see("forcing/fringe", s, &w);
+    for (i, change) in air.clone().zip(&mut w.wind_change) {
+        *change += drive_air(p, s.steps, s.position[i], s.velocity[i] + *change);
+    }
+    see("forcing/drive_air", s, &w);
+    air.clone().zip(&mut w.wind_change).for_each(|(i, change)| *change += push_air(p, s, i));
+    see("forcing/push_air", s, &w);
+    for (i, change) in air.zip(&w.wind_change) {
         let v = s.velocity[i] + *change;
-        (predicted[i], new_velocity[i]) = match p.solver {
+        (w.predicted[i], w.new_velocity[i]) = match p.solver {
             FluidSolver::Divergence => advance(p, s.position[i], v, s.pressed[i].change),
             FluidSolver::Pbf => (predict(p, s.position[i], v), v),
         };
     }
-    if p.solver == FluidSolver::Divergence && p.model == Model::Particles {
-        new_velocity[..p.hair_points].iter_mut().enumerate().for_each(|(i, v)| *v = extrapolate(p, s, i));
-    }
-    let moving = rods::Moving { bodies: contact::place(p, s.steps), ..rods::Moving::default() };
-    let mut w = Scratch {
-        blowing,
-        motions,
-        fringe_deficit,
-        wind_deficit,
-        wind_change,
-        predicted,
-        new_velocity,
-        moving,
-        ..Scratch::default()
-    };
+    see("forcing/predict", s, &w);
+    see("forcing/advance", s, &w);
     fluid::walls(&mut w, p);
+    see("forcing/walls", s, &w);
     w
 }
 

@@ -24,7 +24,10 @@ pub use self::{
     update::{measure, remember, rests, update},
     within::{Load, Moving, Point, Segment, State, StrandMotion},
 };
-use crate::{Parameters, contact, forcing, state, step::Scratch};
+use crate::{
+    Parameters, contact, forcing, state,
+    step::{Observer, Scratch},
+};
 
 /// Stretch |l/l0 − 1| of a segment beyond which its strand is strained.
 pub const STRAINED: f64 = 0.05;
@@ -47,24 +50,31 @@ pub type Force = fn(&mut state::State, &mut Scratch, &Parameters);
 pub const FORCES: &[(&str, Force)] = &[("rods/drag", drag::act), ("rods/push_hair", push_hair)];
 
 /// Runs the stage: strands keep their length and shape, and what drag gave them the air loses.
-pub fn run(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
+pub fn run(s: &mut state::State, w: &mut Scratch, p: &Parameters, see: &mut Observer<'_>) {
     begin(s, w, p);
+    see("rods/begin", s, w);
+    see("rods/sample_air", s, w);
     w.local = sample_fields(s, w, p);
-    FORCES.iter().for_each(|(_, force)| force(s, w, p));
-    contact::contacts(s, w, p);
-    predict_all(s, w, p);
-    for strand in 0..s.hair.len() {
-        if p.direct {
-            solve(p, &s.hair, strand, &mut w.motions[strand], &mut w.moving);
-        } else {
-            gauss_seidel(p, &s.hair, strand, &w.motions[strand], &mut w.moving);
-        }
+    see("rods/sample_fields", s, w);
+    for (pass, force) in FORCES {
+        force(s, w, p);
+        see(pass, s, w);
     }
+    contact::contacts(s, w, p);
+    see("rods/contacts", s, w);
+    predict_all(s, w, p);
+    see("rods/predict", s, w);
+    solve_all(s, w, p);
+    see(if p.direct { "rods/solve" } else { "rods/gauss_seidel" }, s, w);
     update_all(s, w, p);
+    see("rods/update", s, w);
+    see("rods/drag_impulse", s, w);
     w.drag_impulse = exclude_push(s, w, p);
+    see("rods/exclude_push", s, w);
     if exchanges(p) {
         let change = react(p, &w.local, &w.drag_impulse, &w.predicted, &s.volume, &s.inverse_mass, &w.near);
         w.new_velocity[p.hair_points..].iter_mut().zip(change).for_each(|(v, change)| *v += change);
+        see("rods/react", s, w);
     }
 }
 
@@ -128,6 +138,17 @@ pub fn predict_all(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
         s.euler_steps += usize::from(motion.state == State::Free && p.bdf2 && motion.step == p.step);
         s.sleeping_steps += usize::from(motion.state == State::Sleeping);
         s.teleports += usize::from(motion.state == State::Teleported);
+    }
+}
+
+/// Solves every strand.
+pub fn solve_all(s: &state::State, w: &mut Scratch, p: &Parameters) {
+    for strand in 0..s.hair.len() {
+        if p.direct {
+            solve(p, &s.hair, strand, &mut w.drives[strand], &mut w.moving);
+        } else {
+            gauss_seidel(p, &s.hair, strand, &w.drives[strand], &mut w.moving);
+        }
     }
 }
 

@@ -14,7 +14,12 @@ pub(crate) use mesh::{places, spline_nodes, transformed};
 use windswept_scene::{Band, Filter, Law};
 
 use crate::{
-    Parameters, State, forcing::depth, neighbours::Neighbours, parallel, sph_kernels::gradient, step::Scratch,
+    Parameters, State,
+    forcing::depth,
+    neighbours::Neighbours,
+    parallel,
+    sph_kernels::gradient,
+    step::{Observer, Scratch},
 };
 
 /// Coefficient ε of the published law, read as an acceleration: a = ε ê (N × ω).
@@ -27,15 +32,23 @@ pub const MG: f64 = 1e6;
 const LARGEST_GROWTH: f64 = 0.5;
 
 /// Runs the stage: the eddies of each band are strengthened.
-pub fn run(s: &mut State, w: &mut Scratch, p: &Parameters) {
+pub fn run(s: &mut State, w: &mut Scratch, p: &Parameters, see: &mut Observer<'_>) {
     if p.bands.is_empty() {
         return;
     }
     w.confinement = vec![DVec3::ZERO; w.predicted.len()];
-    for band in &p.bands {
-        w.band_velocity = band_velocity(p, band, w.blowing, &w.predicted, &w.new_velocity, &s.volume);
-        let curled = if p.law == Law::Band { &w.band_velocity } else { &w.new_velocity };
-        w.vorticity = vorticity(p, &w.predicted, curled, &s.volume, &w.near);
+    if p.law == Law::Published {
+        w.vorticity = vorticity(p, &w.predicted, &w.new_velocity, &s.volume, &w.near);
+        see("turbulence/vorticity", s, w);
+    }
+    for (index, band) in p.bands.iter().enumerate() {
+        w.band = index;
+        (w.band_velocity, w.grids) = band_velocity(p, band, w.blowing, &w.predicted, &w.new_velocity, &s.volume);
+        see(if p.turbulence.filter == Filter::Grid { "turbulence/gather" } else { "turbulence/band" }, s, w);
+        if p.law == Law::Band {
+            w.vorticity = vorticity(p, &w.predicted, &w.band_velocity, &s.volume, &w.near);
+            see("turbulence/vorticity", s, w);
+        }
         let own = confine(
             p,
             band,
@@ -48,11 +61,13 @@ pub fn run(s: &mut State, w: &mut Scratch, p: &Parameters) {
             &w.near,
         );
         w.confinement.iter_mut().zip(own).for_each(|(sum, own)| *sum += own);
+        see("turbulence/confine", s, w);
     }
     let mean = if p.turbulence.conserve_momentum { mean(p, &w.confinement) } else { DVec3::ZERO };
     let stronger = strengthen(p, &w.new_velocity, &w.confinement, mean);
     s.confinement_impulse += impulse(p, &s.inverse_mass, &w.new_velocity, &stronger);
     w.new_velocity = stronger;
+    see("turbulence/strengthen", s, w);
 }
 
 /// Mexican hat ψ(r, s) = 2/(√15 π^(3/4) s^(3/2)) (3 − r²/s²) exp(−r²/2s²) of L2 norm 1 in space (eq. 6, with the
@@ -70,14 +85,22 @@ pub fn peak_gain(s: f64) -> f64 {
 }
 
 /// Velocity of a band of eddies at each air particle by the scene's filter: [`band`], or [`deposit`], [`smooth`] and
-/// [`gather`].
+/// [`gather`]; and the grids that they leave, empty without a grid.
 #[must_use]
-pub fn band_velocity(p: &Parameters, band: &Band, wind: DVec3, x: &[DVec3], v: &[DVec3], volume: &[f64]) -> Vec<DVec3> {
+pub fn band_velocity(
+    p: &Parameters,
+    band: &Band,
+    wind: DVec3,
+    x: &[DVec3],
+    v: &[DVec3],
+    volume: &[f64],
+) -> (Vec<DVec3>, [Mesh; 2]) {
     match p.turbulence.filter {
-        Filter::Direct => self::band(p, band, wind, x, v, volume),
+        Filter::Direct => (self::band(p, band, wind, x, v, volume), Default::default()),
         Filter::Grid => {
             let deposited = deposit(p, p.grid_scale(band), wind, x, v, volume);
-            gather(p, band, &smooth(p, band.scale, &deposited), x)
+            let curved = smooth(p, band.scale, &deposited);
+            (gather(p, band, &curved, x), [deposited, curved])
         }
     }
 }

@@ -8,16 +8,19 @@ mod support;
 
 use elastica::tuft;
 use glam::DVec3;
-use windswept_reference::{self as reference, Parameters, State, neighbours, rods, step::Scratch};
+use windswept_reference::{
+    self as reference, Parameters, State, neighbours, rods,
+    step::{Scratch, unobserved},
+};
 
 /// A step up to its rods, and the air's velocities before hair reacted on it.
 fn exchanged(state: &State, p: &Parameters) -> (State, Scratch, Vec<DVec3>) {
     let mut s = state.clone();
-    let mut w = reference::forcing::run(&s, p);
+    let mut w = reference::forcing::run(&s, p, &mut unobserved);
     reference::neighbours::run(&mut w, p);
-    reference::fluid::run(&s, &mut w, p);
+    reference::fluid::run(&s, &mut w, p, &mut unobserved);
     let before = w.new_velocity.clone();
-    reference::rods::run(&mut s, &mut w, p);
+    reference::rods::run(&mut s, &mut w, p, &mut unobserved);
     (s, w, before)
 }
 

@@ -13,7 +13,7 @@ use windswept_reference::{
     fluid::{self, Moments, Pressed, THIN},
     neighbours,
     sph_kernels::spiky_gradient,
-    step::step,
+    step::{step, unobserved},
 };
 use windswept_scene::{FluidSolver, InitialState, Scene};
 
@@ -378,9 +378,9 @@ fn pressure_sees_no_hair_in_two_way() {
             InitialState { hair: if hair { initial.hair.clone() } else { Default::default() }, ..initial.clone() };
         let p = parameters(&initial, 1, keys);
         let s = State::new(&initial, p.step);
-        let mut w = windswept_reference::forcing::run(&s, &p);
+        let mut w = windswept_reference::forcing::run(&s, &p, &mut unobserved);
         neighbours::run(&mut w, &p);
-        fluid::run(&s, &mut w, &p);
+        fluid::run(&s, &mut w, &p, &mut unobserved);
         (p.hair_points, w)
     };
     let ((n, with), (_, without)) = (after("", true), after("", false));

@@ -410,7 +410,7 @@ fn a_step_runs_the_passes_in_order() {
         let (x, v, volume) = (&crowd.positions, &without.velocity, &crowd.volume);
         let wind = DVec3::X * 1.38e-3 / 0.02;
         let change = |band: &Band| {
-            let eddies = turbulence::band_velocity(&p, band, wind, x, v, volume);
+            let (eddies, _) = turbulence::band_velocity(&p, band, wind, x, v, volume);
             confine(&crowd, band, &eddies, if law == "band" { &eddies } else { v })
         };
         let sum: Vec<DVec3> = change(&p.bands[0]).iter().zip(change(&p.bands[1])).map(|(a, b)| *a + b).collect();

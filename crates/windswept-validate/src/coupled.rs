@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use windswept::{Gpu, Simulation};
-use windswept_reference::{self as reference, Parameters, State, fluid};
+use windswept_reference::{self as reference, Parameters, State, fluid, step::unobserved};
 use windswept_scene::{FluidSolver, InitialState, Scene};
 use windswept_shaders::common::rod::RodPoint;
 
@@ -163,7 +163,7 @@ fn clamped(gpu: &Gpu) -> Result<Vec<Row>, Error> {
 /// Momentum that the density constraint gives held roots in the next step \[kg m/s\]: that which it would give to roots
 /// of mass 1.
 fn density_on_roots(s: &State, p: &Parameters) -> DVec3 {
-    let mut w = reference::forcing::run(s, p);
+    let mut w = reference::forcing::run(s, p, &mut unobserved);
     reference::neighbours::run(&mut w, p);
     let roots: Vec<usize> = (0..s.hair.len()).map(|strand| s.hair.points(strand).start).collect();
     let mut movable = s.inverse_mass.clone();

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use windswept::{Gpu, internals::step, ops::Filter};
-use windswept_reference::{self as reference, Parameters, fluid, neighbours, turbulence, viscosity};
+use windswept_reference::{self as reference, Parameters, fluid, neighbours, step::unobserved, turbulence, viscosity};
 use windswept_scene::{Band, Fluid, InitialState, Scene};
 
 use crate::{
@@ -51,7 +51,7 @@ pub(crate) fn passes(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let smooth = vectors(&particles.viscosity(gpu, scene.viscosity.air)?);
     let change = |after: &[DVec3]| after.iter().zip(&v).map(|(after, before)| *after - *before).collect::<Vec<_>>();
     let reference_smooth = viscosity::xsph(&p, &x, &v, &inverse_mass, &volume, &near, &theta, &eddies, &exchange);
-    let reference_grid = turbulence::band_velocity(&p, &band, DVec3::ZERO, &x, &v, &volume);
+    let (reference_grid, _) = turbulence::band_velocity(&p, &band, DVec3::ZERO, &x, &v, &volume);
     let row = |pass: &str, got: &[DVec3], wanted: &[DVec3], tolerance: f64| {
         Row::new(format!("reference: {pass}"), 0.0, error(got, wanted), tolerance, PASS)
     };
@@ -109,9 +109,9 @@ pub(crate) fn rods(gpu: &Gpu) -> Result<Vec<Row>, Error> {
                 step::rods::record(r, plan);
             })?;
             let (p, mut s) = (runner.p.clone(), runner.reference.clone());
-            let mut w = reference::forcing::run(&s, &p);
-            reference::fluid::run(&s, &mut w, &p);
-            reference::rods::run(&mut s, &mut w, &p);
+            let mut w = reference::forcing::run(&s, &p, &mut unobserved);
+            reference::fluid::run(&s, &mut w, &p, &mut unobserved);
+            reference::rods::run(&mut s, &mut w, &p, &mut unobserved);
             let free: Vec<_> = w.moving.points.iter().map(|point| point.velocity + p.step * p.gravity).collect();
             reference::contact::run(&mut w, &p);
             let change = |v: &[DVec3]| v.iter().zip(&free).map(|(v, free)| *v - *free).collect::<Vec<_>>();

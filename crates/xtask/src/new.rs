@@ -77,8 +77,8 @@ pub fn {pass}(velocity: &[glam::DVec3]) -> Vec<glam::DVec3> {{
 #[test]
 fn {pass}_is_that_of_the_reference() {{
     panic!(
-        \"compare what {stage}/{pass} leaves with windswept_reference::{stage}::{pass}, on several sizes and in the walk of the stage; \\
-         call the function in the stage's run; plant a fault of the pass in FAULTS\"
+        \"compare what {stage}/{pass} leaves with windswept_reference::{stage}::{pass}, on several sizes and in ROWS; \\
+         call the function in the stage's run, and then its observer; plant a fault of the pass in FAULTS\"
     );
 }}
 "

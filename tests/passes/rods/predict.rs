@@ -5,7 +5,10 @@ use glam::{DQuat, DVec3};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use windswept::internals::step;
-use windswept_reference::{State as Reference, forcing, rods, step::Scratch};
+use windswept_reference::{
+    State as Reference, forcing, rods,
+    step::{Scratch, unobserved},
+};
 use windswept_scene::{End, Strands};
 use windswept_shaders::common::{
     integration::{BDF2, EULER, HOLD, KINEMATIC},
@@ -17,7 +20,6 @@ use crate::{
     fixture::{Fixture, condition, quaternion, xyz},
     forcing::drives_apart,
     hair::{any, hold, set_roots, strands},
-    rods::solve_all,
     support,
     walk::largest,
 };
@@ -312,8 +314,8 @@ fn strands_start_and_end_as_in_the_reference() {
             fixture.engine.write(&state.rod_strands, &rods).unwrap();
             fixture.run_only(&["rods/begin", "rods/predict"], step::rods::record);
             forcing::recover(&mut s);
-            let mut w = forcing::run(&s, p);
-            w.motions.iter_mut().enumerate().for_each(|(strand, motion)| motion.woken = case_of(strand).woken);
+            let mut w = forcing::run(&s, p, &mut unobserved);
+            w.drives.iter_mut().enumerate().for_each(|(strand, drive)| drive.woken = case_of(strand).woken);
             w.correction = push;
             rods::begin(&s, &mut w, p);
             rods::predict_all(&mut s, &mut w, p);
@@ -328,7 +330,7 @@ fn strands_start_and_end_as_in_the_reference() {
             let solver: &[&str] = if p.direct { &["rods/solve", "rods/update"] } else { &["rods/update"] };
             fixture.run_only(solver, step::rods::record);
             if p.direct {
-                solve_all(&s, &mut w, p);
+                rods::solve_all(&s, &mut w, p);
             }
             let ends = apart(&fixture, &s, &w);
             rods::update_all(&mut s, &mut w, p);

@@ -6,7 +6,7 @@ use rand_pcg::Pcg64;
 use windswept::internals::{Plan, Recorder, status, step};
 use windswept_reference::{
     Parameters, State as Reference, fluid, forcing, neighbours, rods,
-    step::{Scratch, step as reference_step},
+    step::{Scratch, step as reference_step, unobserved},
 };
 use windswept_scene::{End, InitialState, Solver};
 use windswept_shaders::common::{
@@ -17,7 +17,6 @@ use windswept_shaders::common::{
 use crate::{
     fixture::{Fixture, quaternion, xyz},
     hair::{ends, hold, motion, scene_with, strands},
-    rods::solve_all,
     steps::{DRAG, GALE, NEWTON, small},
     walk::largest,
 };
@@ -82,9 +81,9 @@ fn rods_are_those_of_the_reference() {
                 step::rods::record(r, plan);
             });
             let before = (s.euler_steps, s.unsolved_steps);
-            let mut w = forcing::run(&s, p);
+            let mut w = forcing::run(&s, p, &mut unobserved);
             w.correction = vec![DVec3::ZERO; w.predicted.len()];
-            rods::run(&mut s, &mut w, p);
+            rods::run(&mut s, &mut w, p, &mut unobserved);
 
             let apart = apart(&fixture, &s, &w);
             let off = [0, 1, 2].map(|part| largest(apart.iter().map(|of| of[part])));
@@ -120,11 +119,11 @@ fn long_strands_are_solved_in_several_dispatches() {
         step::forcing::record(r, plan);
         step::rods::record(r, plan);
     });
-    let mut w = forcing::run(&s, &p);
+    let mut w = forcing::run(&s, &p, &mut unobserved);
     w.correction = vec![DVec3::ZERO; w.predicted.len()];
     rods::begin(&s, &mut w, &p);
     rods::predict_all(&mut s, &mut w, &p);
-    solve_all(&s, &mut w, &p);
+    rods::solve_all(&s, &mut w, &p);
     let apart = apart(&fixture, &s, &w);
     println!("{dispatches} dispatches: {apart:?}");
     assert!(dispatches > 1);
@@ -188,9 +187,9 @@ fn the_potential_falls_in_each_step() {
         let (mut state, mut solves) = (Reference::new(&initial, p.step), 0);
         for step in 0..150 {
             let mut s = state.clone();
-            let mut w = forcing::run(&s, &p);
+            let mut w = forcing::run(&s, &p, &mut unobserved);
             neighbours::run(&mut w, &p);
-            fluid::run(&s, &mut w, &p);
+            fluid::run(&s, &mut w, &p, &mut unobserved);
             rods::begin(&s, &mut w, &p);
             w.local = rods::sample_fields(&s, &w, &p);
             rods::FORCES.iter().for_each(|(_, force)| force(&mut s, &mut w, &p));
@@ -201,7 +200,7 @@ fn the_potential_falls_in_each_step() {
             };
             let free: Vec<_> = w.motions.iter().map(|motion| motion.state == rods::State::Free).collect();
             let before = potentials(&w);
-            solve_all(&s, &mut w, &p);
+            rods::solve_all(&s, &mut w, &p);
             for (strand, (before, after)) in
                 before.into_iter().zip(potentials(&w)).enumerate().filter(|(k, _)| free[*k])
             {

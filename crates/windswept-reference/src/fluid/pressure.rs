@@ -20,7 +20,7 @@ use crate::{
     Parameters, State, contact,
     neighbours::{self, Neighbours},
     sph_kernels::{self, poly6, spiky_gradient},
-    step::Scratch,
+    step::{Observer, Scratch, unobserved},
 };
 
 /// Most of the way U Δt/d in a step by which particles are spread: with 0.1 strong eddies crowd air more and more.
@@ -84,51 +84,67 @@ pub struct Moments {
 
 /// Projects the velocities of air onto those without divergence, with the model `particles` those of hair as well: it
 /// gets the impulse that pressure has over time.
-pub(super) fn run(s: &State, w: &mut Scratch, p: &Parameters) {
+///
+/// The density of the first `constrained` particles is that of their constraint.
+pub(super) fn run(s: &State, w: &mut Scratch, p: &Parameters, constrained: usize, see: &mut Observer<'_>) {
     let (mass, volume) = (&s.inverse_mass, &s.volume);
-    let deformation = deform(p, &w.predicted, &w.new_velocity, volume, &w.near);
-    w.eddies = deformation.iter().map(|deformation| eddies(p, *deformation)).collect();
-    let shift = spread(p, &w.predicted, &w.new_velocity, volume, &w.near, &deformation, &w.walls);
+    w.deformation = deform(p, &w.predicted, &w.new_velocity, volume, &w.near);
+    w.eddies = w.deformation.iter().map(|deformation| eddies(p, *deformation)).collect();
+    w.shift = spread(p, &w.predicted, &w.new_velocity, volume, &w.near, &w.deformation, &w.walls);
+    see("fluid/spread", s, w);
     // The coarse grid sees particles where they were: what they are spread by is little to its nodes.
-    let before = w.predicted.clone();
-    w.predicted.iter_mut().zip(shift).for_each(|(x, shift)| *x += shift);
+    w.sorted_position.clone_from(&w.predicted);
+    w.predicted.iter_mut().zip(&w.shift).for_each(|(x, shift)| *x += *shift);
     walls(w, p);
+    see("fluid/place", s, w);
     w.moments = moments(p, &w.predicted, mass, volume, &w.near, &w.walls);
-    w.density = w.moments.iter().map(|moments| moments.density).collect();
+    let solved = w.density.iter_mut().zip(&w.moments).skip(constrained);
+    solved.for_each(|(density, moments)| *density = moments.density);
+    see("fluid/moments", s, w);
     w.pressed = (0..w.predicted.len()).map(|i| start(p, i, &w.moments[i], &s.pressed[i])).collect();
     let lambda: Vec<f64> = w.pressed.iter().map(|pressed| pressed.pressure).collect();
     give(w, push(p, &w.predicted, mass, volume, &w.near, &w.moments, &lambda));
     give_bodies(w, &lambda);
-    solve(s, w, p, &before);
+    see("fluid/push", s, w);
+    solve(s, w, p, see);
     path(s, w, p);
+    see("fluid/path", s, w);
     if p.model == Model::Particles {
         for i in 0..p.hair_points {
             w.correction[i] = LASTING * p.step * w.pressed[i].change;
         }
+        see("fluid/impulse", s, w);
     }
 }
 
-/// Takes the divergence out, on a coarse grid, which sees particles where they were `before`, and then by iterations.
-fn solve(s: &State, w: &mut Scratch, p: &Parameters, before: &[DVec3]) {
+/// Takes the divergence out, on a coarse grid, which sees particles where they were sorted, and then by iterations.
+fn solve(s: &State, w: &mut Scratch, p: &Parameters, see: &mut Observer<'_>) {
     let (mass, volume) = (&s.inverse_mass, &s.volume);
     if p.coarse {
-        let rate = divergence(p, &w.predicted, &w.new_velocity, volume, &w.near, &w.moments);
-        let deposited = coarse_deposit(p, before, &w.new_velocity, &rate, &w.moments);
-        let pressure = coarse_solve(p, &deposited);
-        let change = coarse_gather(p, before, &pressure);
-        let solids = coarse_solid(p, &w.moving.bodies, &pressure);
-        let (mean, part) = coarse_mean(p, &w.new_velocity, &change, &solids);
-        give(w, coarse_push(p, &change, mean, part));
-        w.coarse_impulse = coarse_impulse(&solids, mean, part);
+        w.divergence = divergence(p, &w.predicted, &w.new_velocity, volume, &w.near, &w.moments);
+        see("fluid/divergence", s, w);
+        w.coarse_divergence = coarse_deposit(p, &w.sorted_position, &w.new_velocity, &w.divergence, &w.moments);
+        w.coarse = coarse_solve(p, &w.coarse_divergence);
+        w.coarse_change = coarse_gather(p, &w.sorted_position, &w.coarse);
+        see("fluid/coarse_gather", s, w);
+        w.solids = coarse_solid(p, &w.moving.bodies, &w.coarse);
+        let (mean, part) = coarse_mean(p, &w.new_velocity, &w.coarse_change, &w.solids);
+        see("reduce/total", s, w);
+        see("fluid/coarse_solid", s, w);
+        give(w, coarse_push(p, &w.coarse_change, mean, part));
+        w.coarse_impulse = coarse_impulse(&w.solids, mean, part);
+        see("fluid/coarse_push", s, w);
     }
     for omega in relaxations(p.pressure_iterations) {
-        let rate = divergence(p, &w.predicted, &w.new_velocity, volume, &w.near, &w.moments);
-        let mu: Vec<f64> = (0..rate.len())
-            .map(|i| relax(omega, p.part(volume[i]), rate[i], &w.moments[i], w.pressed[i].pressure))
+        w.divergence = divergence(p, &w.predicted, &w.new_velocity, volume, &w.near, &w.moments);
+        let mu: Vec<f64> = (0..w.divergence.len())
+            .map(|i| relax(omega, p.part(volume[i]), w.divergence[i], &w.moments[i], w.pressed[i].pressure))
             .collect();
         w.pressed.iter_mut().zip(&mu).for_each(|(pressed, mu)| pressed.pressure += mu);
+        see("fluid/divergence", s, w);
         give(w, push(p, &w.predicted, mass, volume, &w.near, &w.moments, &mu));
         give_bodies(w, &mu);
+        see("fluid/push", s, w);
     }
 }
 
@@ -162,9 +178,9 @@ pub fn begin(s: &mut State, p: &Parameters) {
     neighbours::run(&mut w, p);
     w.moments = moments(p, &w.predicted, &s.inverse_mass, &s.volume, &w.near, &w.walls);
     w.pressed = vec![Pressed::default(); w.predicted.len()];
-    let before = w.predicted.clone();
+    w.sorted_position.clone_from(&w.predicted);
     for _ in 0..START {
-        solve(s, &mut w, p, &before);
+        solve(s, &mut w, p, &mut unobserved);
     }
     s.velocity[p.hair_points..].copy_from_slice(&w.new_velocity[p.hair_points..]);
 }

@@ -11,7 +11,7 @@ use windswept_scene::{Band, Turbulence};
 use crate::{Parameters, parallel};
 
 /// Values at the nodes of the periodic grid: xyz of what particles carry, w of their volume; x runs first.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Default)]
 pub struct Mesh {
     /// Number of nodes along each axis.
     pub nodes: [usize; 3],
