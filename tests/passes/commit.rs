@@ -73,7 +73,7 @@ pub const ROWS: &[Row] = &[
     ("commit/hair", |b| points_apart(b, |a| a.external_dv, &b.s.external_dv), SPEED),
     ("commit/hair", |b| points_apart(b, |a| a.velocity, &b.s.velocity_before), SPEED),
     ("commit/hair", |b| points_apart(b, |a| a.own, &b.s.own), SPEED),
-    ("commit/hair", |b| points_apart(b, |a| a.grip, &b.s.grip), SPEED),
+    ("commit/hair", |b| points_apart(b, |a| a.tangential_spring, &b.s.tangential_spring), SPEED),
     ("commit/contacts", memories_apart, HAIR),
     (
         "commit/bodies",

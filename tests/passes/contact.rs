@@ -130,9 +130,10 @@ pub fn stood(fixture: &Fixture) -> Vec<[u32; 4]> {
 }
 
 pub fn stands(w: &Scratch) -> Vec<[u32; 4]> {
-    let of =
-        |drive: &rods::Drive| [drive.meets.into(), drive.woken.into(), drive.embedded as u32, drive.comes_out.into()];
-    w.drives.iter().map(of).collect()
+    let of = |motion: &rods::StrandMotion| {
+        [motion.meets.into(), motion.woken.into(), motion.embedded as u32, motion.comes_out.into()]
+    };
+    w.motions.iter().map(of).collect()
 }
 
 /// Planted faults of the passes of contact, and of the rods' solve among bodies.
@@ -352,7 +353,7 @@ fn rods_among_bodies_are_those_of_the_reference() {
                 fixture.run(step::rods::record);
                 let mut w = forcing::run(&s, p, &mut unobserved);
                 w.correction = vec![DVec3::ZERO; p.hair_points];
-                (w.grip, w.pressed) = (s.grip.clone(), s.pressed.clone());
+                (w.tangential_spring, w.pressed) = (s.tangential_spring.clone(), s.pressed.clone());
                 rods::run(&mut s, &mut w, p, &mut unobserved);
                 let within = |apart: &[f64; 4]| apart.iter().zip(AMONG_BODIES).all(|(off, bound)| *off < bound);
                 let (near, astray): (Vec<_>, Vec<_>) = strands_apart(&fixture, &s, &w).into_iter().partition(within);

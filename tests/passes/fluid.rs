@@ -57,7 +57,7 @@ pub const ROWS: &[Row] = &[
         MULTIPLIER,
     ),
     ("fluid/friction", |b| b.hair(&b.state().shift, &b.w.shift), LENGTH),
-    ("fluid/friction", |b| apart(&b.fixture.vectors(&b.state().grip), &b.w.grip), SPEED),
+    ("fluid/friction", |b| apart(&b.fixture.vectors(&b.state().tangential_spring), &b.w.tangential_spring), SPEED),
     ("fluid/velocity", |b| b.air(&b.state().new_velocity, &b.w.new_velocity), SPEED),
     ("fluid/deform", |b| numbers_apart(&b.fixture.exchange(|all| all.deformation), &b.w.deformation), DENSITY),
     ("fluid/spread", |b| b.air(&b.state().shift, &b.w.shift), LENGTH),

@@ -267,7 +267,7 @@ fn roots_by_keyframes_are_those_of_the_reference() {
             // Measured 1.2e-7 m and 1.9e-7; margin 4.
             assert!(moves < 5e-7 && frames < 8e-7, "{n}, step {steps}: {moves} m, {frames}");
             // Where the motion has come to rest rounding says whether the clamp still moves.
-            let rests = |drive: &rods::Drive| drive.root_displacement.length() < 1e-6;
+            let rests = |motion: &rods::StrandMotion| motion.root_displacement.length() < 1e-6;
             let w = forcing::run(&s, &fixture.parameters, &mut unobserved);
             let got = fixture.rod_strands();
             let strict = got.iter().zip(&w.motions).filter(|(_, motion)| !rests(motion));

@@ -132,7 +132,7 @@ fn sampled_apart(b: &Both<'_>, gap: fn(&Sampled, &rods::Local) -> f64) -> f64 {
 /// Strands that are integrated by another scheme.
 fn schemes_differ(b: &Both<'_>) -> f64 {
     let schemes: Vec<_> = b.fixture.rod_strands().iter().map(|rod| rod.scheme == BDF2).collect();
-    let wanted: Vec<_> = b.w.drives.iter().map(|drive| drive.step < b.p().step).collect();
+    let wanted: Vec<_> = b.w.motions.iter().map(|motion| motion.step < b.p().step).collect();
     differing(&schemes, &wanted)
 }
 

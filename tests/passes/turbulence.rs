@@ -41,21 +41,21 @@ pub const ROWS: &[Row] = &[
     ("turbulence/smooth_y", |b| nodes_apart(b, &b.state().curvature_xy, &curved(smooth_along(b, 2))), NODES),
     ("turbulence/smooth_z", |b| nodes_apart(b, &b.state().curvature, &b.w.grids[1]), NODES),
     ("turbulence/gather", band_apart, SPEED),
-    ("turbulence/band", |b| if b.fixture.plan.published_law { 0.0 } else { band_apart(b) }, SPEED),
+    ("turbulence/band", |b| if b.fixture.plan.turbulence.published_law { 0.0 } else { band_apart(b) }, SPEED),
     // As printed û has units and a size of its own: compared in parts of its largest, as if that were 1 m/s.
     // A neighbour exactly at the cut of 3 s is in one sum and not in the other: measured 6.3e-3; margin 3.
     (
         "turbulence/band",
         |b| {
             let largest = largest(b.w.band_velocity.iter().map(|u| u.length()));
-            if b.fixture.plan.published_law { band_apart(b) / largest } else { 0.0 }
+            if b.fixture.plan.turbulence.published_law { band_apart(b) / largest } else { 0.0 }
         },
         |_| 2e-2,
     ),
     (
         "turbulence/vorticity",
         |b| {
-            let from = if b.fixture.plan.published_law { 0 } else { b.p().hair_points };
+            let from = if b.fixture.plan.turbulence.published_law { 0 } else { b.p().hair_points };
             b.from(from, &b.state().vorticity, &b.w.vorticity)
         },
         SPIN,
@@ -115,12 +115,12 @@ fn curved([_, mut curved]: [turbulence::Mesh; 2]) -> turbulence::Mesh {
 /// and the volume, or as printed the velocity.
 fn weights_apart(b: &Both<'_>) -> f64 {
     let (state, plan) = (b.state(), &b.fixture.plan);
-    let sorted = b.read(if plan.direct_filter.runs { &state.sorted } else { &state.flow_sorted });
+    let sorted = b.read(if plan.turbulence.direct_filter.runs { &state.sorted } else { &state.flow_sorted });
     let flow = b.read(&state.flow);
     largest(flow.iter().zip(sorted).map(|([x, y, z, weight], i)| {
         let (i, volume) = (i as usize, b.s.volume[i as usize]);
         let (got, weight) = (DVec3::new((*x).into(), (*y).into(), (*z).into()), f64::from(*weight));
-        match (plan.published_law, b.p().is_air(i)) {
+        match (plan.turbulence.published_law, b.p().is_air(i)) {
             (true, _) => (got - b.w.new_velocity[i]).length(),
             (false, true) => {
                 let relative = b.w.new_velocity[i] - b.w.blowing;

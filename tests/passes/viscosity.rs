@@ -17,7 +17,7 @@ pub const ROWS: &[Row] = &[
         "viscosity/limit",
         |b| {
             let (plan, mut wanted) = (&b.fixture.plan, b.w.exchange.clone());
-            if plan.limited_clusters != plan.sizes.clusters_of_all() {
+            if plan.viscosity.limited_clusters != b.state().sizes.clusters_of_all() {
                 // Air cannot overshoot: its S is below 1, and not looked for.
                 let air = &mut wanted[b.p().hair_points..];
                 assert!(air.iter().all(|s| *s < 1.0));

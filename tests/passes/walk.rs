@@ -314,7 +314,7 @@ impl Both<'_> {
 
     /// Strands that go through the step otherwise.
     pub fn states(&self) -> f64 {
-        let wanted: Vec<u32> = self.w.drives.iter().map(|drive| drive.state as u32).collect();
+        let wanted: Vec<u32> = self.w.motions.iter().map(|motion| motion.state as u32).collect();
         let got: Vec<u32> = self.fixture.rod_strands().iter().map(|strand| strand.state).collect();
         differing(&got, &wanted)
     }

@@ -120,7 +120,7 @@ pub fn commit(p: &Parameters, s: &mut State, w: &mut Scratch) {
     for (clamp, motion) in s.clamps.iter_mut().zip(&w.motions) {
         *clamp = (clamp.0 + motion.root_displacement, motion.root_frame);
     }
-    s.grip = mem::take(&mut w.grip);
+    s.tangential_spring = mem::take(&mut w.tangential_spring);
     s.pressed = mem::take(&mut w.pressed);
     for (i, point) in w.moving.points.iter().enumerate() {
         let strand = p.strand_of[i];

@@ -54,7 +54,8 @@ pub fn run(s: &State, w: &mut Scratch, p: &Parameters, see: &mut Observer<'_>) {
         let (x, points) = (&w.predicted, &w.friction_points);
         w.normal_impulses = normal_impulse(p, x, &s.inverse_mass, &s.volume, points, &w.near);
         let change;
-        (change, w.grip) = friction(p, x, &s.grip, &s.inverse_mass, &s.volume, points, &w.normal_impulses, &w.near);
+        (change, w.tangential_spring) =
+            friction(p, x, &s.tangential_spring, &s.inverse_mass, &s.volume, points, &w.normal_impulses, &w.near);
         w.shift = change.into_iter().map(|change| p.step * change).collect();
         see("fluid/friction", s, w);
         for (i, shift) in w.shift.iter().enumerate() {

@@ -15,7 +15,7 @@ pub(crate) use self::reset::FAR;
 pub use self::reset::{inspect, recover, reset};
 use crate::{
     Parameters, State, contact, fluid,
-    rods::{self, Drive, rotation, rotation_vector},
+    rods::{self, StrandMotion, rotation, rotation_vector},
     step::{Observer, Scratch},
 };
 
@@ -24,7 +24,7 @@ use crate::{
 pub fn run(s: &State, p: &Parameters, see: &mut Observer<'_>) -> Scratch {
     let mut w = Scratch {
         blowing: mean_wind(p, s.steps + 1),
-        drives: (0..s.hair.len()).map(|strand| roots(p, s, strand)).collect(),
+        motions: (0..s.hair.len()).map(|strand| roots(p, s, strand)).collect(),
         moving: rods::Moving { bodies: contact::place(p, s.steps), ..rods::Moving::default() },
         predicted: s.position.clone(),
         new_velocity: s.velocity.clone(),

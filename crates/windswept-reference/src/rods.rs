@@ -145,9 +145,9 @@ pub fn predict_all(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
 pub fn solve_all(s: &state::State, w: &mut Scratch, p: &Parameters) {
     for strand in 0..s.hair.len() {
         if p.direct {
-            solve(p, &s.hair, strand, &mut w.drives[strand], &mut w.moving);
+            solve(p, &s.hair, strand, &mut w.motions[strand], &mut w.moving);
         } else {
-            gauss_seidel(p, &s.hair, strand, &w.drives[strand], &mut w.moving);
+            gauss_seidel(p, &s.hair, strand, &w.motions[strand], &mut w.moving);
         }
     }
 }

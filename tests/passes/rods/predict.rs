@@ -315,7 +315,7 @@ fn strands_start_and_end_as_in_the_reference() {
             fixture.run_only(&["rods/begin", "rods/predict"], step::rods::record);
             forcing::recover(&mut s);
             let mut w = forcing::run(&s, p, &mut unobserved);
-            w.drives.iter_mut().enumerate().for_each(|(strand, drive)| drive.woken = case_of(strand).woken);
+            w.motions.iter_mut().enumerate().for_each(|(strand, motion)| motion.woken = case_of(strand).woken);
             w.correction = push;
             rods::begin(&s, &mut w, p);
             rods::predict_all(&mut s, &mut w, p);
