@@ -9,7 +9,7 @@ use windswept_scene::Scene;
 const FRAMES: u64 = 3;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let scene = Scene::parse(include_str!("scenes/quick.toml"))?;
+    let scene = Scene::parse(include_str!("scenes/quick.toml"))?.check()?;
     let gpu = Gpu::new(&AdapterChoice::from_flag(None))?;
     let mut simulation = Simulation::new(&gpu, &scene)?;
     println!(

@@ -16,7 +16,7 @@ duration = 1.0
 "#;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let scene = Scene::parse(include_str!("scenes/quick.toml"))?;
+    let scene = Scene::parse(include_str!("scenes/quick.toml"))?.check()?;
 
     // The application's own device, with the limits that the scene asks for and the features that make it fast.
     let instance = wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle());

@@ -6,7 +6,7 @@ use std::error::Error;
 use plotters::prelude::*;
 use windswept::{AdapterChoice, Gpu, Simulation};
 use windswept_reference::elastica::{Hair, REAL};
-use windswept_scene::Scene;
+use windswept_scene::{Air, Fibre, Hair as Strand, Model, Rods, Roots, Scene, Stiffness, StrandStiffness, Time};
 use windswept_validate::internals::{STRIP_BLOCKAGE, in_strip, through};
 
 const WINDS: [f64; 3] = [1.0, 3.0, 10.0];
@@ -16,21 +16,18 @@ const STEP: f64 = 1.38e-3;
 
 /// The hair in the model `drag`, after a second and a half.
 fn blown(gpu: &Gpu, hair: &Hair, points: u32, damping: f64) -> Result<Simulation, Box<dyn Error>> {
+    let mut scene = Scene::new(Time::new(STEP, 10.0));
+    scene.gravity = [0.0, -hair.gravity, 0.0];
+    scene.interaction.model = Some(Model::Drag);
+    scene.rods = Rods { sleep: false, damping, ..Rods::default() };
+    let air = Air::default().wind([hair.wind, 0.0, 0.0]);
+    scene.air = Some(Air { ramp: 0.0, kinematic_viscosity: hair.viscosity, ..air });
     let stretch = REAL.youngs_modulus * std::f64::consts::PI * hair.radius.powi(2);
-    let bend = hair.bend_stiffness();
-    let scene = Scene::parse(&format!(
-        "gravity = [0, {}, 0]\ninteraction.model = \"drag\"\ntime = {{ step = {STEP}, duration = 10.0 }}\n\
-         rods = {{ sleep = false, damping = {damping} }}\n\
-         air = {{ wind = [{}, 0, 0], ramp = 0.0, kinematic_viscosity = {} }}\n\
-         [hair]\nstrands = 1\npoints = {points}\nlength = {}\nradius = {}\nstretch_stiffness = {stretch}\n\
-         bend_stiffness = {bend}\ntwist_stiffness = {}\nroots = {{ center = [0, 0, 0], radius = 1e-9 }}\n",
-        0.0 - hair.gravity,
-        hair.wind,
-        hair.viscosity,
-        hair.length,
-        hair.radius,
-        bend / 1.38,
-    ))?;
+    let (bend, poissons_ratio) = (hair.bend_stiffness(), 0.38);
+    let stiffness = Stiffness::Direct(StrandStiffness { stretch, bend, twist: bend / 1.38, poissons_ratio });
+    let fibre = Fibre { radius: hair.radius, stiffness, ..Fibre::default() };
+    let strand = Strand::drawn_on(1, points, hair.length, Roots::disc([0.0; 3], 1e-9));
+    scene.hair = vec![Strand { fibre, ..strand }];
     let mut simulation = Simulation::new(gpu, &scene)?;
     simulation.step((1.5 / STEP) as u64)?;
     Ok(simulation)

@@ -5,7 +5,9 @@ mod support;
 
 use glam::DVec3;
 use windswept::{Frame, Simulation};
-use windswept_scene::{Body, Groom, InitialState, Model, Motion, Scene, Shape, Solid, Solver, Triangles};
+use windswept_scene::{
+    Air, Body, CheckedShape, Groom, Hair, InitialState, Model, Rods, Roots, Scene, Solid, Solver, Triangles,
+};
 
 fn simulation(text: &str, sets: &[&str]) -> Simulation {
     let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
@@ -30,7 +32,7 @@ fn points(of: &[[f32; 3]]) -> Vec<DVec3> {
 
 /// Depth of the deepest of these points below the surface of any body now \[m\]; negative if all are outside.
 fn deepest(simulation: &Simulation, of: &[[f32; 3]]) -> f64 {
-    let placed: Vec<Shape> = simulation.scene().bodies.iter().map(|body| body.at(simulation.time())).collect();
+    let placed: Vec<CheckedShape> = simulation.scene().bodies.iter().map(|body| body.at(simulation.time())).collect();
     let depth = |x: &DVec3| placed.iter().map(|body| -body.signed_distance(*x).0).fold(f64::NEG_INFINITY, f64::max);
     points(of).iter().map(depth).fold(f64::NEG_INFINITY, f64::max)
 }
@@ -42,11 +44,10 @@ fn hair_sticks_and_slides_by_coulombs_law() {
     const STEPS: u64 = 200;
     for slope in [0.1_f64, 0.29, 0.31, 0.6] {
         let angle = slope.atan();
-        let bar = Shape::Capsule { start: [-0.5, 0.0, 0.0], end: [0.5, 0.0, 0.0], radius: 0.05 };
-        let body = Body { name: "bar".into(), shape: bar, friction: FRICTION, motion: Motion::default() };
-        let mut scene = Scene { bodies: vec![body], ..support::scene() };
-        scene.interaction.model = Model::None;
-        scene.rods.solver = Solver::Direct;
+        let bar = Body::capsule([-0.5, 0.0, 0.0], [0.5, 0.0, 0.0], 0.05);
+        let mut scene = Scene { bodies: vec![Body { friction: FRICTION, ..bar }], ..support::scene() };
+        scene.interaction.model = Some(Model::None);
+        scene.rods.solver = Some(Solver::Direct);
         scene.gravity = [9.81 * angle.sin(), -9.81 * angle.cos(), 0.0];
         let along: Vec<DVec3> = (0..4).map(|k| DVec3::new(0.01 * f64::from(k), 0.05, 0.0)).collect();
         let mut hair = support::strands(&along, 4);
@@ -70,7 +71,8 @@ fn hair_sticks_and_slides_by_coulombs_law() {
 }
 
 /// A strand with 5 mm between points, clamped above a ball, that falls over it.
-const DRAPED: &str = "interaction.model = \"none\"\n[time]\nstep = 1.38e-3\nduration = 2.0\n[hair]\nstrands = 1\npoints = 41\nlength = 0.2\n\
+const DRAPED: &str = "interaction.model = \"none\"\n[time]\nstep = 1.38e-3\nduration = 2.0\n[hair]\nstrands = 1\n\
+    points = 41\nlength = 0.2\n\
     roots = { center = [0, 0.051, 0], radius = 1e-3, direction = [1, 0, 0.0] }\n[rods]\niterations = 60\n\
     [[body]]\nname = \"ball\"\nradius = 0.05\ncenter = [0, 0, 0]\n";
 
@@ -103,7 +105,8 @@ fn a_strand_drapes_over_a_ball() {
 /// across.
 #[test]
 fn a_bar_takes_hair_along() {
-    let text = "interaction.model = \"none\"\n[time]\nstep = 1.38e-3\nduration = 2.0\n[hair]\nstrands = 1\npoints = 51\nlength = 0.1\n\
+    let text = "interaction.model = \"none\"\n[time]\nstep = 1.38e-3\nduration = 2.0\n[hair]\nstrands = 1\n\
+        points = 51\nlength = 0.1\n\
         roots = { center = [0, 0.1, 0], radius = 1e-3, direction = [0, -1, 0] }\n[rods]\ndamping = 20\n\
         [[body]]\nshape = \"capsule\"\nstart = [0, 0.05, -0.05]\nend = [0, 0.05, 0.05]\nradius = 0.01\n\
         motion = [{ time = 0, translation = [-0.11, 0, 0] }, { time = 0.07, translation = [0.03, 0, 0] }]\n";
@@ -152,7 +155,8 @@ fn hair_that_lies_sleeps_until_its_body_goes() {
 /// between them, it cannot do both: it keeps its length, and the run says that its steps are not solved.
 #[test]
 fn hair_that_cannot_go_round_a_body_is_warned_of() {
-    let text = "interaction.model = \"drag\"\n[time]\nstep = 1.38e-3\nduration = 2.0\n[hair]\nstrands = 1\npoints = 17\nlength = 0.08\n\
+    let text = "interaction.model = \"drag\"\n[time]\nstep = 1.38e-3\nduration = 2.0\n[hair]\nstrands = 1\n\
+        points = 17\nlength = 0.08\n\
         roots = { center = [0.02, 0.04, 0], radius = 1e-3, direction = [0, -1, 0] }\n\
         [air]\nwind = [10, 0, 0]\nramp = 0.0\n[[body]]\nname = \"ball\"\nradius = 0.03\ncenter = [0.055, 0, 0]\n";
     let between = ["hair.tip=pinned", "body.ball.motion=[{ time = 0.0 }, { time = 0.1, translation = [-0.03, 0, 0] }]"];
@@ -175,7 +179,7 @@ fn hair_that_cannot_go_round_a_body_is_warned_of() {
 /// Depth of the deepest place of any segment below the surface of any body now \[m\], but for each strand's first;
 /// negative if all are outside.
 fn deepest_place(simulation: &Simulation, points_of_strand: usize) -> f64 {
-    let placed: Vec<Shape> = simulation.scene().bodies.iter().map(|body| body.at(simulation.time())).collect();
+    let placed: Vec<CheckedShape> = simulation.scene().bodies.iter().map(|body| body.at(simulation.time())).collect();
     let x = points(&simulation.frame().unwrap().hair.positions);
     let depth = |x: DVec3| placed.iter().map(|body| -body.signed_distance(x).0).fold(f64::NEG_INFINITY, f64::max);
     let segments = x.chunks(points_of_strand).flat_map(|strand| strand[1..].windows(2));
@@ -187,13 +191,13 @@ fn deepest_place(simulation: &Simulation, points_of_strand: usize) -> f64 {
 /// mm, all under the middle of one of its segments: it lies on it.
 #[test]
 fn segments_lie_on_what_is_smaller_than_they_are() {
-    let text = "interaction.model = \"none\"\n[time]\nstep = 1.38e-3\nduration = 2.0\n[rods]\ndamping = 10\n[hair]\nstrands = 1\npoints = 9\nlength = 0.08\n\
-        roots = { center = [0, 0.01, 0], radius = 1e-3, direction = [1, 0, 0] }\n[[body]]\nradius = 0.003\ncenter = [0.045, 0, 0]\n";
-    let ball = Scene::parse(text).unwrap();
-    let (mut meshed, mut plate) = (ball.clone(), ball.clone());
-    meshed.bodies[0].shape = Shape::Mesh(Solid::enclosed(ball.bodies[0].shape.surface(32, 64), Some(3e-4)).unwrap());
+    let hair = Hair::drawn_on(1, 9, 0.08, Roots::disc([0.0, 0.01, 0.0], 1e-3).toward([1.0, 0.0, 0.0]));
+    let mut ball = support::alone(1.38e-3, [hair]);
+    ball.rods.damping = 10.0;
+    ball.bodies = vec![Body::sphere([0.045, 0.0, 0.0], 0.003)];
+    let (meshed, mut plate) = (support::meshed(&ball, 32, 64, 3e-4), ball.clone());
     let surface = block(DVec3::new(0.045, -0.017, 0.0), DVec3::new(0.001, 0.02, 0.02));
-    plate.bodies[0].shape = Shape::Mesh(Solid::enclosed(surface, Some(3e-4)).unwrap());
+    plate.bodies[0].shape = Solid::enclosed(surface, Some(3e-4)).unwrap().into();
     for (name, scene) in [("ball", ball), ("ball of triangles", meshed), ("plate", plate)] {
         let mut simulation = Simulation::new(&support::gpu(), &scene).unwrap();
         let mut moving = f64::NEG_INFINITY;
@@ -214,16 +218,13 @@ fn segments_lie_on_what_is_smaller_than_they_are() {
 /// Hair that starts in a body comes out of it, slowly; out of a mesh too.
 #[test]
 fn hair_that_starts_inside_comes_out_slowly() {
-    let text = "interaction.model = \"none\"\n[time]\nstep = 1.38e-3\nduration = 2.0\n[hair]\nstrands = 4\nlength = 0.09\n\
-        roots = { center = [0, 0, 0], radius = 0.004 }\n[[body]]\nname = \"ball\"\nradius = 0.03\ncenter = [0.01, -0.06, 0.004]\n";
-    for (points, weight) in [(10, "[0, 0, 0]"), (46, "[0, -9.81, 0]")] {
-        let keys = [format!("hair.points={points}"), format!("gravity={weight}")];
-        let round = Scene::parse_with("inside", text, &keys).unwrap();
-        let mut meshed = round.clone();
-        let body = &mut meshed.bodies[0];
-        body.shape = Shape::Mesh(Solid::enclosed(body.shape.surface(64, 128), Some(1e-3)).unwrap());
+    for (points, weight) in [(10, 0.0), (46, 9.81)] {
+        let mut round = support::alone(1.38e-3, [Hair::drawn_on(4, points, 0.09, Roots::disc([0.0; 3], 0.004))]);
+        round.gravity = [0.0, -weight, 0.0];
+        round.bodies = vec![Body::sphere([0.01, -0.06, 0.004], 0.03)];
+        let meshed = support::meshed(&round, 64, 128, 1e-3);
         for (name, scene) in [("ball", round), ("mesh", meshed)] {
-            comes_out_slowly(name, &scene, points);
+            comes_out_slowly(name, &scene, points as usize);
         }
     }
 }
@@ -255,8 +256,8 @@ fn comes_out_slowly(name: &str, scene: &Scene, points_of_strand: usize) {
     }
     let left = deepest(&simulation, &simulation.frame().unwrap().hair.positions);
     println!(
-        "{name}, {points_of_strand} points: started {start:.1e} m deep, at most {fastest:.3} m/s and stretched by {stretch:.4} until step \
-         {out}; {left:.1e} m deep in the end"
+        "{name}, {points_of_strand} points: started {start:.1e} m deep, at most {fastest:.3} m/s and stretched by \
+         {stretch:.4} until step {out}; {left:.1e} m deep in the end"
     );
     // Hair that still moves may be as deep as a multiplier allows, 2e-5 m; measured 1.1e-5 m.
     assert!(left < 2e-5, "{left} m still inside");
@@ -267,9 +268,8 @@ fn comes_out_slowly(name: &str, scene: &Scene, points_of_strand: usize) {
 /// steps where its segments did not mark it.
 #[test]
 fn hair_that_starts_through_a_plate_is_not_thrown() {
-    let text = "interaction.model = \"drag\"\nair = { wind = [0, 0, 0] }\nrods.sleep = false\n\
-        time = { step = 1.38e-3, duration = 1.0 }\n[[body]]\nradius = 0.04\ncenter = [0, 0, 0]\n";
-    let round = Scene::parse(text).unwrap();
+    let mut scene = support::in_wind(1.38e-3, Air::default().wind([0.0; 3]), []);
+    scene.rods.sleep = false;
     // Thickness of the plate, distance between points, of the root from the plate's middle and of the strand from the
     // plate's edge [m].
     let cases = [
@@ -282,8 +282,7 @@ fn hair_that_starts_through_a_plate_is_not_thrown() {
     ];
     for (thickness, apart, root, from_edge) in cases {
         let plate = block(DVec3::ZERO, DVec3::new(0.5 * thickness, 0.05, 0.05));
-        let mut scene = round.clone();
-        scene.bodies[0].shape = Shape::Mesh(Solid::enclosed(plate, Some(1e-3)).unwrap());
+        scene.bodies = vec![Body::solid(Solid::enclosed(plate, Some(1e-3)).unwrap())];
         let count = (0.09 / apart) as usize;
         let strand = (0..count).map(|k| [root + apart * k as f64, 0.05 - from_edge, 0.003]).collect();
         let groom = Groom::new(strand, vec![0, count as u32]);
@@ -297,7 +296,8 @@ fn hair_that_starts_through_a_plate_is_not_thrown() {
             fastest[part] = v.iter().map(|v| v.length()).fold(fastest[part], f64::max);
         }
         println!(
-            "plate of {thickness} m, points {apart} m apart, root at {root} m, {from_edge} m from the edge: {fastest:.3?} m/s"
+            "plate of {thickness} m, points {apart} m apart, root at {root} m, {from_edge} m from the edge: \
+             {fastest:.3?} m/s"
         );
         assert!(fastest[0] < 0.3, "{fastest:?} m/s");
         assert!(fastest[1] < 2.5 && fastest[2] < 2.5, "{fastest:?} m/s; what a body bent springs back when it is out");
@@ -310,11 +310,11 @@ fn hair_that_starts_through_a_plate_is_not_thrown() {
 fn hair_rooted_inside_comes_out_and_rests() {
     const RADIUS: f64 = 0.04;
     const POINTS: usize = 21;
-    let text = "interaction.model = \"none\"\ngravity = [0, 0, 0]\nrods = { damping = 20, sleep = false }\n\
-        time = { step = 1.38e-3, duration = 2.0 }\n[[body]]\nradius = 0.04\ncenter = [0, 0, 0]\n";
-    let round = Scene::parse(text).unwrap();
-    let mut meshed = round.clone();
-    meshed.bodies[0].shape = Shape::Mesh(Solid::enclosed(round.bodies[0].shape.surface(64, 128), Some(2e-3)).unwrap());
+    let mut round = support::alone(1.38e-3, []);
+    round.gravity = [0.0; 3];
+    round.rods = Rods { damping: 20.0, sleep: false, ..Rods::default() };
+    round.bodies = vec![Body::sphere([0.0; 3], RADIUS)];
+    let meshed = support::meshed(&round, 64, 128, 2e-3);
     let cases: Vec<[f64; 2]> = [0.2e-3, 0.5e-3, 1.5e-3]
         .iter()
         .flat_map(|depth| [93.0, 110.0, 135.0].map(|angle: f64| [*depth, angle]))
@@ -355,7 +355,8 @@ fn hair_rooted_inside_comes_out_and_rests() {
 
 /// Wind past a ball in a periodic box, in the substeps that `windswept check` asks for: in steps of 1.38 ms a void
 /// opens behind the ball with solver divergence.
-const PASSED: &str = "[time]\nstep = 1.38e-3\nsubsteps = 2\nduration = 1.0\n[air]\nbox = { min = [0.0, 0.0, 0.0], max = [0.16, 0.09, 0.09] }\nwind = [3.0, 0.0, 0.0]\n\
+const PASSED: &str = "[time]\nstep = 1.38e-3\nsubsteps = 2\nduration = 1.0\n[air]\n\
+    box = { min = [0.0, 0.0, 0.0], max = [0.16, 0.09, 0.09] }\nwind = [3.0, 0.0, 0.0]\n\
     [fluid]\niterations = 6\n[[body]]\nname = \"ball\"\nradius = 0.02\ncenter = [0.07, 0.045, 0.045]\n";
 
 /// Mean velocity along x of the air in a region, given in the ball's own frame \[m/s\].
@@ -482,7 +483,7 @@ fn hair_stays_on_a_head_that_turns() {
 #[test]
 fn the_groom_of_the_example_sits_on_its_head() {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/scenes/groom.toml");
-    let scene = Scene::load(file).unwrap();
+    let scene = Scene::load(file).unwrap().check().unwrap();
     let initial = InitialState::new(&scene).unwrap();
     assert!(initial.warnings.is_empty(), "{:?}", initial.warnings);
     assert_eq!((initial.hair.len(), initial.hair.positions.len()), (120, 1200));

@@ -9,10 +9,10 @@ use glam::{DQuat, DVec3};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept::Simulation;
-use windswept_scene::{Groom, InitialState, Scene, Shape, Solid};
+use windswept_scene::{Air, Body, CheckedShape, End, Groom, Hair, InitialState, Keyframe, Rods, Roots, Scene};
 
-fn start(text: &str) -> Simulation {
-    Simulation::new(&support::gpu(), &Scene::parse(text).unwrap()).unwrap()
+fn start(scene: &Scene) -> Simulation {
+    Simulation::new(&support::gpu(), scene).unwrap()
 }
 
 fn vectors(of: &[[f32; 3]]) -> Vec<DVec3> {
@@ -26,7 +26,7 @@ fn fastest(simulation: &Simulation) -> f64 {
 /// Deepest place of any segment in any body now, but for those that begin at a root \[m\].
 fn deepest(simulation: &Simulation, points_of_strand: usize) -> f64 {
     let x = vectors(&simulation.frame().unwrap().hair.positions);
-    let bodies: Vec<Shape> = simulation.scene().bodies.iter().map(|body| body.at(simulation.time())).collect();
+    let bodies: Vec<CheckedShape> = simulation.scene().bodies.iter().map(|body| body.at(simulation.time())).collect();
     let depth = |x: DVec3| bodies.iter().map(|body| -body.signed_distance(x).0).fold(f64::MIN, f64::max);
     let segments = x.chunks(points_of_strand).flat_map(|strand| strand[1..].windows(2));
     segments
@@ -45,23 +45,20 @@ fn a_ball_takes_hair_along() {
         (30.0, 0.35e-3, 14, false),
     ] {
         let time = 0.1 / speed;
-        let text = format!(
-            "interaction.model = \"none\"\ntime = {{ step = {step}, duration = 10 }}\nrods = {{ damping = 2, sleep = false }}\n\
-             hair = {{ strands = 1, points = {points}, length = 0.08, radius = 4e-5, \
-             roots = {{ center = [0, 0, 0], radius = 1e-6, direction = [0, -1, 0] }} }}\n\
-             [[body]]\ncenter = [-0.02, -0.04, 0.002]\nradius = 0.012\nfriction = 0.3\n\
-             motion = [{{ time = 0 }}, {{ time = {time}, translation = [0.1, 0, 0] }}]\n"
-        );
-        let mut scene = Scene::parse(&text).unwrap();
+        let hair = Hair::drawn_on(1, points, 0.08, Roots::disc([0.0; 3], 1e-6));
+        let mut scene = support::alone(step, [hair]);
+        scene.rods = Rods { damping: 2.0, sleep: false, ..Rods::default() };
+        let away = Keyframe { translation: [0.1, 0.0, 0.0], ..Keyframe::new(time) };
+        let ball = Body::sphere([-0.02, -0.04, 0.002], 0.012);
+        scene.bodies = vec![Body { motion: [Keyframe::new(0.0), away].into(), ..ball }];
         if mesh {
-            let shape = &mut scene.bodies[0].shape;
-            *shape = Shape::Mesh(Solid::enclosed(shape.surface(32, 64), Some(1e-3)).unwrap());
+            scene = support::meshed(&scene, 32, 64, 1e-3);
         }
-        let mut simulation = Simulation::new(&support::gpu(), &scene).unwrap();
+        let mut simulation = start(&scene);
         let mut deep = f64::MIN;
         for _ in 0..(time / step) as u32 {
             simulation.step(1).unwrap();
-            deep = deep.max(deepest(&simulation, points));
+            deep = deep.max(deepest(&simulation, points as usize));
         }
         let stretch = simulation.report().unwrap().max_stretch.unwrap();
         println!("{speed} m/s, {points} points, mesh {mesh}: {deep:.1e} m deep, stretch {stretch:.1e}");
@@ -74,11 +71,12 @@ fn a_ball_takes_hair_along() {
 /// Hair of 350 mm on a head, in 15 m/s: it stays out and whole, comes to rest and trembles by next to nothing.
 #[test]
 fn hair_lies_on_a_head_in_strong_wind() {
-    let text = "interaction.model = \"drag\"\ntime = { step = 1.38e-3, duration = 10 }\nrods = { damping = 2, sleep = false }\n\
-        air = { wind = [-15, -4.5, 0], ramp = 0 }\nhair = { strands = 1, points = 36, length = 0.35, radius = 4e-5, \
-        roots = { center = [0, 0, 0], radius = 1e-6, direction = [0.825, 0.565, 0] } }\n\
-        [[body]]\ncenter = [-0.0744415, -0.0509816, 0]\nradius = 0.09\nfriction = 0.3\n";
-    let mut simulation = start(text);
+    let hair = Hair::drawn_on(1, 36, 0.35, Roots::disc([0.0; 3], 1e-6).toward([0.825, 0.565, 0.0]));
+    let air = Air { ramp: 0.0, ..Air::default().wind([-15.0, -4.5, 0.0]) };
+    let mut scene = support::in_wind(1.38e-3, air, [hair]);
+    scene.rods = Rods { damping: 2.0, sleep: false, ..Rods::default() };
+    scene.bodies = vec![Body::sphere([-0.0744415, -0.0509816, 0.0], 0.09)];
+    let mut simulation = start(&scene);
     let mut deep = f64::MIN;
     for _ in 0..1100 {
         simulation.step(1).unwrap();
@@ -103,11 +101,13 @@ fn hair_lies_on_a_head_in_strong_wind() {
 /// A body that moves wakes the hair that it reaches, and no other.
 #[test]
 fn a_body_wakes_what_it_reaches() {
-    let text = "interaction.model = \"none\"\ntime = { step = 4e-3, duration = 10 }\nrods.damping = 20\n\
-        [[hair]]\nname = \"a\"\nstrands = 1\npoints = 11\nlength = 0.05\nroots = { center = [0, 0, 0], radius = 1e-6, direction = [0, -1, 0] }\n\
-        [[hair]]\nname = \"b\"\nstrands = 1\npoints = 11\nlength = 0.05\nroots = { center = [0.3, 0, 0], radius = 1e-6, direction = [0, -1, 0] }\n\
-        [[body]]\ncenter = [-0.1, -0.04, 0]\nradius = 0.01\nmotion = [{ time = 3.0 }, { time = 3.2, translation = [0.12, 0, 0] }]\n";
-    let mut simulation = start(text);
+    let strand = |name, x| Hair::drawn_on(1, 11, 0.05, Roots::disc([x, 0.0, 0.0], 1e-6)).named(name);
+    let mut scene = support::alone(4e-3, [strand("a", 0.0), strand("b", 0.3)]);
+    scene.rods.damping = 20.0;
+    let there = Keyframe { translation: [0.12, 0.0, 0.0], ..Keyframe::new(3.2) };
+    let ball = Body::sphere([-0.1, -0.04, 0.0], 0.01);
+    scene.bodies = vec![Body { motion: [Keyframe::new(3.0), there].into(), ..ball }];
+    let mut simulation = start(&scene);
     let sleeping = |simulation: &mut Simulation| simulation.report().unwrap().strand_steps.unwrap()["sleeping_steps"];
     simulation.step(740).unwrap();
     let before = sleeping(&mut simulation);
@@ -126,15 +126,15 @@ fn a_body_wakes_what_it_reaches() {
 /// A strand of 200 mm, pinned in the middle, at its tip or at two points, on a head that turns by 40 degrees in 0.2 s.
 #[test]
 fn pins_turn_with_a_head() {
+    let (free, pinned, clamped) = (End::Free, End::Pinned, End::Clamped);
     for (tip, pinned) in
-        [("free", &[10_usize][..]), ("free", &[20]), ("free", &[6, 14]), ("pinned", &[20]), ("clamped", &[8, 20])]
+        [(free, &[10_usize][..]), (free, &[20]), (free, &[6, 14]), (pinned, &[20]), (clamped, &[8, 20])]
     {
         for step in [1.38e-3, 5e-3] {
-            let mut simulation = start(&format!(
-                "interaction.model = \"drag\"\nair.wind = [0, 0, 0]\ntime = {{ step = {step}, duration = 10 }}\nrods.damping = 2\n\
-                 hair = {{ tip = \"{tip}\", strands = 1, points = 21, length = 0.2, radius = 4e-5, \
-                 roots = {{ center = [0, 0, 0], radius = 1e-9, direction = [1, 0, 0] }} }}\n"
-            ));
+            let hair = Hair::drawn_on(1, 21, 0.2, Roots::disc([0.0; 3], 1e-9).toward([1.0, 0.0, 0.0]));
+            let mut scene = support::in_wind(step, Air::default().wind([0.0; 3]), [Hair { tip, ..hair }]);
+            scene.rods.damping = 2.0;
+            let mut simulation = start(&scene);
             let rest = simulation.initial().hair.positions.clone();
             let frame = simulation.initial().hair.root_frame[0];
             let center = DVec3::new(-0.1, 0.0, 0.0);
@@ -166,10 +166,11 @@ fn pins_turn_with_a_head() {
             simulation.step(200).unwrap();
             let left = gap(&simulation, 40_f64.to_radians());
             println!(
-                "tip {tip}, pins {pinned:?}, {step} s: gap {worst:.1e}, then {left:.1e} m; stretch {before:.1e}, {stretch:.1e}"
+                "tip {tip:?}, pins {pinned:?}, {step} s: gap {worst:.1e}, then {left:.1e} m; stretch {before:.1e}, \
+                 {stretch:.1e}"
             );
             // Measured 3.4e-7, 7e-9 and 3.1e-5.
-            assert!(worst < 1.5e-4 && left < 1e-5 && stretch < 1e-4, "{tip} {pinned:?}: {worst} {left} {stretch}");
+            assert!(worst < 1.5e-4 && left < 1e-5 && stretch < 1e-4, "{tip:?} {pinned:?}: {worst} {left} {stretch}");
         }
     }
 }
@@ -177,9 +178,8 @@ fn pins_turn_with_a_head() {
 /// Pins that hold nothing are named errors, and leave those before.
 #[test]
 fn wrong_pins_are_errors() {
-    let hair = "hair = { strands = 2, points = 5, length = 0.05, roots = { center = [0, 0, 0], radius = 0.01 } }\ninteraction.model = \"none\"\n\
-        time = { step = 1e-3, duration = 1 }\n";
-    let mut simulation = start(hair);
+    let hair = Hair::drawn_on(2, 5, 0.05, Roots::disc([0.0; 3], 0.01));
+    let mut simulation = start(&support::alone(1e-3, [hair]));
     let place = [DVec3::ZERO];
     let mut error = |points: &[usize], places: &[DVec3]| simulation.set_pins(points, places).unwrap_err().to_string();
     assert!(error(&[10], &place).contains("points: expected at most 9, found 10 in row 0"));
@@ -198,11 +198,11 @@ fn wrong_pins_are_errors() {
 /// A tip that is held goes with the motion of its roots.
 #[test]
 fn held_tips_go_with_their_roots() {
-    for tip in ["pinned", "clamped"] {
-        let mut simulation = start(&format!(
-            "interaction.model = \"none\"\ntime = {{ step = 1.38e-3, duration = 10 }}\n[hair]\ntip = \"{tip}\"\nstrands = 3\npoints = 15\nlength = 0.1\n\
-             roots = {{ center = [0, 0, 0], radius = 0.02 }}\nmotion = [{{ time = 0.05 }}, {{ time = 0.25, translation = [0.02, 0, 0], rotation = [0.3, 0, 0.7] }}]\n"
-        ));
+    for tip in [End::Pinned, End::Clamped] {
+        let end = Keyframe { time: 0.25, translation: [0.02, 0.0, 0.0], rotation: [0.3, 0.0, 0.7] };
+        let (motion, hair) =
+            ([Keyframe::new(0.05), end].into(), Hair::drawn_on(3, 15, 0.1, Roots::disc([0.0; 3], 0.02)));
+        let mut simulation = start(&support::alone(1.38e-3, [Hair { tip, motion, ..hair }]));
         simulation.step(250).unwrap();
         let (from, now) =
             (simulation.initial().hair.positions.clone(), vectors(&simulation.frame().unwrap().hair.positions));
@@ -210,8 +210,8 @@ fn held_tips_go_with_their_roots() {
         let turn = DQuat::from_scaled_axis(DVec3::new(0.3, 0.0, 0.7));
         let off = (0..3).map(|s| root_to_tip(&now, s).distance(turn * root_to_tip(&from, s))).fold(0.0, f64::max);
         let stretch = simulation.report().unwrap().max_stretch.unwrap();
-        println!("{tip}: tips off by {off:.1e} m, stretch {stretch:.1e}");
-        assert!(off < 1e-6 && stretch < 1e-3, "{tip}: {off} m, {stretch}");
+        println!("{tip:?}: tips off by {off:.1e} m, stretch {stretch:.1e}");
+        assert!(off < 1e-6 && stretch < 1e-3, "{tip:?}: {off} m, {stretch}");
     }
 }
 
@@ -224,14 +224,7 @@ fn anything_goes(scenes: std::ops::Range<u64>) {
         let step = [0.35e-3, 1.38e-3, 5e-3, 16e-3][(number % 4) as usize];
         let mut any = || DVec3::from_array([0; 3].map(|_| rng.random_range(-1.0..1.0)));
         let wind = 15.0 * any();
-        let mut text = format!(
-            "interaction.model = \"drag\"\ntime = {{ step = {step}, duration = 10 }}\nair.wind = {:?}\n",
-            wind.to_array()
-        );
-        text += &format!(
-            "hair = {{ strands = 1, points = 2, length = 0.1, {} roots = {{ center = [0, 0, 0], radius = 0.01 }} }}\n",
-            if number % 3 == 0 { "root = \"free\"," } else { "" }
-        );
+        let mut scene = support::in_wind(step, Air::default().wind(wind.to_array()), []);
         let time = 60.0 * step;
         let mut bodies = vec![];
         for body in 0..3 {
@@ -241,19 +234,14 @@ fn anything_goes(scenes: std::ops::Range<u64>) {
                 (speed * time * any().normalize() * any().y.abs(), (30.0 * time * any()).clamp_length_max(3.0));
             let radius = 0.003 + 0.087 * any().x.abs();
             let shape = if any().x < 0.0 {
-                format!("center = {at:?}")
+                Body::sphere(at.to_array(), radius)
             } else {
-                format!("shape = \"capsule\"\nstart = {at:?}\nend = {:?}", at + to)
+                Body::capsule(at.to_array(), (at + to).to_array(), radius)
             };
-            let shape = shape.replace("DVec3(", "[").replace(')', "]");
             bodies.push((at, at + to, radius));
-            text += &format!(
-                "[[body]]\nname = \"{body}\"\n{shape}\nradius = {radius}\nfriction = {}\nmotion = [{{ time = 0 }}, {{ time = {time}, translation = {:?}, \
-                 rotation = {:?} }}]\n",
-                any().x.abs(),
-                way.to_array(),
-                turn.to_array()
-            );
+            let end = Keyframe { time, translation: way.to_array(), rotation: turn.to_array() };
+            let motion = [Keyframe::new(0.0), end].into();
+            scene.bodies.push(Body { friction: any().x.abs(), motion, ..shape.named(body.to_string()) });
         }
         let (mut points, mut offsets) = (vec![], vec![0]);
         while offsets.len() <= 20 {
@@ -274,7 +262,6 @@ fn anything_goes(scenes: std::ops::Range<u64>) {
             points.extend((0..=segments).map(|k| (root + place(k, any())).to_array()));
             offsets.push(points.len() as u32);
         }
-        let scene = Scene::parse(&text).unwrap();
         let initial = InitialState::with_groom(&scene, &Groom::new(points, offsets)).unwrap();
         let mut simulation = Simulation::with_state(&support::gpu(), &scene, initial).unwrap();
         for _ in 0..60 {

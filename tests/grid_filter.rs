@@ -9,7 +9,7 @@ use glam::DVec3;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use support::VOLUME;
-use windswept::ops::Filter;
+use windswept_scene::{Filter, GridFilter};
 use windswept_validate::internals::{Cloud, waves};
 
 /// The whole sum takes its time: one particle of so many has one.
@@ -91,7 +91,7 @@ fn every_spacing_and_box_is_that_of_the_whole_sum() {
     ];
     for (counts, scale, spacing, bound) in cases {
         let air = stirred(counts, 8);
-        let error = error(&band_velocity(&air, scale, Filter::Grid { spacing }), &whole_sum(&air, scale));
+        let error = error(&band_velocity(&air, scale, Filter::Grid(GridFilter { spacing })), &whole_sum(&air, scale));
         println!("{counts:?}, s = {scale}, nodes {spacing} s apart: {:.3} %", 1e2 * error);
         assert!(error < bound, "{counts:?}, {spacing} s: {error}");
     }

@@ -7,15 +7,16 @@ use std::f64::consts::PI;
 
 use glam::{DQuat, DVec3};
 use windswept::Simulation;
-use windswept_scene::{End, Fibre, Groom, RestShape, Scene, Stiffness};
+use windswept_scene::{End, Fibre, Groom, Integrator, Moduli, RestShape, Rods, Scene, Stiffness};
 use windswept_validate::internals::GRAVITY;
 
-fn scene(step: f64, keys: &str) -> Scene {
-    let text = format!(
-        "interaction = {{ model = \"none\" }}\ngravity = [0, -{GRAVITY}, 0]\ntime = {{ step = {step}, duration = 1.0 }}\n\
-         rods = {{ {keys} }}"
-    );
-    Scene::parse(&text).unwrap()
+fn scene(step: f64, rods: Rods) -> Scene {
+    Scene { gravity: [0.0, -GRAVITY, 0.0], rods, ..support::alone(step, []) }
+}
+
+/// Strands that are damped by 8/s.
+fn damped() -> Rods {
+    Rods { damping: 8.0, ..Rods::default() }
 }
 
 /// Groom of `strands` level strands of 17 points along +x, a metre apart.
@@ -25,8 +26,8 @@ fn level(strands: u32, length: f64) -> Groom {
 }
 
 /// Position of every point after `seconds` in steps of `step` \[m\].
-fn after(step: f64, keys: &str, groom: &Groom, seconds: f64) -> Vec<DVec3> {
-    let mut simulation = Simulation::with_groom(&support::gpu(), &scene(step, keys), groom).unwrap();
+fn after(step: f64, rods: Rods, groom: &Groom, seconds: f64) -> Vec<DVec3> {
+    let mut simulation = Simulation::with_groom(&support::gpu(), &scene(step, rods), groom).unwrap();
     simulation.step((seconds / simulation.dt()) as u64).unwrap();
     let frame = simulation.frame().unwrap();
     frame.hair.positions.iter().map(|x| DVec3::from_array(x.map(f64::from))).collect()
@@ -44,7 +45,7 @@ fn flat_fibres_sag_by_their_stiffness_about_either_axis() {
         root_frame: Some(vec![upright.to_array(), flat.to_array()].into()),
         ..level(2, length)
     };
-    let tips = after(4e-3, "damping = 8.0", &groom, 4.0);
+    let tips = after(4e-3, damped(), &groom, 4.0);
     let sag = [-tips[16].y, -tips[33].y];
     let weight = 1320.0 * PI * a * a * aspect * GRAVITY;
     let moments = [PI * a.powi(4) * aspect / 4.0, PI * a.powi(4) * aspect.powi(3) / 4.0];
@@ -70,7 +71,7 @@ fn ends_are_held_as_they_say() {
         tip: ends.iter().map(|ends| ends.1).collect::<Vec<_>>().into(),
         ..level(ends.len() as u32, length)
     };
-    let rest = after(4e-3, "damping = 8.0", &groom, 4.0);
+    let rest = after(4e-3, damped(), &groom, 4.0);
     let strand = |s: usize| &rest[17 * s..17 * s + 17];
     let start = |s: usize, k: usize| DVec3::from_array(groom.points[17 * s + k]);
     for (s, (root, tip)) in ends.into_iter().enumerate() {
@@ -115,12 +116,12 @@ fn strands_of_few_points_hang_still() {
             points.push(x.to_array());
         }
         offsets.push(points.len() as u32);
-        let stiffness = Stiffness::Moduli { youngs_modulus, poissons_ratio: 0.38 };
+        let stiffness = Stiffness::Moduli(Moduli { youngs_modulus, ..Moduli::default() });
         fibres.push(Fibre { stiffness, ..Fibre::default() });
     }
     let groom = Groom { fibre: fibres.into(), rest: RestShape::Hanging, ..Groom::new(points, offsets) };
     for sleep in [true, false] {
-        let scene = scene(1.38e-3, &format!("sleep = {sleep}"));
+        let scene = scene(1.38e-3, Rods { sleep, ..Rods::default() });
         let mut simulation = Simulation::with_groom(&support::gpu(), &scene, &groom).unwrap();
         assert!(simulation.initial().warnings.is_empty(), "{:?}", simulation.initial().warnings);
         let mut farthest = vec![0.0_f64; groom.len()];
@@ -153,7 +154,7 @@ fn strands_that_are_held_at_both_ends_hang_still() {
     let groom =
         Groom { tip: tips.to_vec().into(), rest: RestShape::Hanging, ..Groom::new(points.clone(), offsets.clone()) };
     let farthest = |groom: &Groom| {
-        let moved = after(1.38e-3, "sleep = false", groom, 3.0);
+        let moved = after(1.38e-3, Rods { sleep: false, ..Rods::default() }, groom, 3.0);
         let ways = moved.iter().zip(&points).map(|(x, start)| x.distance(DVec3::from_array(*start)) / length);
         ways.collect::<Vec<_>>().chunks(17).map(|ways| ways.iter().copied().fold(0.0, f64::max)).collect::<Vec<_>>()
     };
@@ -169,14 +170,14 @@ fn strands_that_are_held_at_both_ends_hang_still() {
 fn strands_that_nothing_holds_fall() {
     let groom = Groom { root: End::Free.into(), ..level(2, 0.05) };
     let step = 1.38e-3;
-    for integrator in ["bdf2", "euler"] {
-        let fallen = after(step, &format!("integrator = \"{integrator}\""), &groom, 0.2);
+    for integrator in [Integrator::Bdf2, Integrator::Euler] {
+        let fallen = after(step, Rods { integrator: Some(integrator), ..Rods::default() }, &groom, 0.2);
         let time = (0.2_f64 / step).floor() * step;
         let drop = 0.5 * GRAVITY * time * time;
         for (x, start) in fallen.iter().zip(&groom.points) {
             let way = *x - DVec3::from_array(*start);
-            println!("{integrator}: {:.3e} of {drop:.3e}", way.y + drop);
-            assert!(way.distance(DVec3::NEG_Y * drop) < 0.01 * drop, "{integrator}: {way}");
+            println!("{integrator:?}: {:.3e} of {drop:.3e}", way.y + drop);
+            assert!(way.distance(DVec3::NEG_Y * drop) < 0.01 * drop, "{integrator:?}: {way}");
         }
     }
 }

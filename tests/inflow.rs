@@ -16,7 +16,7 @@ const FRINGE: f64 = 0.015;
 fn scene(wind: DVec3) -> Scene {
     let mut scene = support::scene();
     let air = scene.air.as_mut().unwrap();
-    (air.wind, air.ramp, air.fringe) = (wind.to_array(), 0.0, FRINGE);
+    (air.wind, air.ramp, air.fringe) = (Some(wind.to_array()), 0.0, Some(FRINGE));
     scene
 }
 
@@ -62,7 +62,7 @@ fn wind_enters_through_the_face_it_blows_through() {
         assert!(near < 0.15 && far > 0.165, "{wind}: {near}, {far}");
     }
     let mut open = scene(DVec3::X * 3.0);
-    open.air.as_mut().unwrap().fringe = 0.0;
+    open.air.as_mut().unwrap().fringe = Some(0.0);
     let across = air(DVec3::new(3.0, 0.2, 0.0));
     let mut open = Simulation::with_state(&support::gpu(), &open, across).unwrap();
     open.step(20).unwrap();
@@ -131,8 +131,9 @@ fn wind_brings_eddies_in() {
     let run = |seed: u64, intensity: f64| {
         let mut scene = scene(wind);
         let air_settings = scene.air.as_mut().unwrap();
-        air_settings.fringe = 0.0372;
-        air_settings.inflow = Some(Inflow { intensity, scale: 0.009, seed });
+        air_settings.fringe = Some(0.0372);
+        air_settings.inflow = Some(Inflow { intensity, scale: 0.009 });
+        air_settings.seed = Some(seed);
         let mut simulation = Simulation::with_state(&support::gpu(), &scene, {
             let mut initial = lattice([24, 12, 12], SIMPLE);
             initial.air.velocities.fill(wind);
@@ -166,8 +167,9 @@ fn eddies_that_enter_have_their_scale() {
     let shares = scales.map(|scale| {
         let mut scene = scene(DVec3::X * 3.0);
         let settings = scene.air.as_mut().unwrap();
-        settings.fringe = 0.0372;
-        settings.inflow = Some(Inflow { intensity: 0.1, scale, seed: 4 });
+        settings.fringe = Some(0.0372);
+        settings.inflow = Some(Inflow { intensity: 0.1, scale });
+        settings.seed = Some(4);
         let mut initial = lattice([24, 12, 12], SIMPLE);
         initial.air.velocities.fill(DVec3::X * 3.0);
         let mut simulation = Simulation::with_state(&support::gpu(), &scene, initial).unwrap();

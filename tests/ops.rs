@@ -6,8 +6,8 @@
 mod support;
 
 use glam::DVec3;
-use windswept::ops::{Filter, OpsError, Particles};
-use windswept_scene::{Air, Fluid};
+use windswept::ops::{OpsError, Particles};
+use windswept_scene::{Air, DirectFilter, Filter};
 use windswept_validate::internals::{Cloud, vectors};
 
 /// Largest difference over the largest value.
@@ -31,7 +31,8 @@ fn free_space_is_a_box_without_images() {
 
     let density =
         |all: Particles<'_>| all.density(&gpu).unwrap().into_iter().map(|rho| [rho, 0.0, 0.0]).collect::<Vec<_>>();
-    let band = |all: Particles<'_>| all.band_velocity(&gpu, 6e-3, Filter::Direct { cutoff: 4.5 }).unwrap();
+    let band =
+        |all: Particles<'_>| all.band_velocity(&gpu, 6e-3, Filter::Direct(DirectFilter { cutoff: 4.5 })).unwrap();
     let errors = [
         error(&density(free), &density(boxed)),
         error(&free.vorticity(&gpu).unwrap(), &boxed.vorticity(&gpu).unwrap()),
@@ -40,7 +41,7 @@ fn free_space_is_a_box_without_images() {
     ];
     println!("density, vorticity, band, viscosity {errors:?}");
     assert!(errors.iter().all(|error| *error < 1e-5), "{errors:?}");
-    let moved = |all: Particles<'_>| vectors(&all.solve_density(&gpu, Fluid::pbf(1, 0.5)).unwrap());
+    let moved = |all: Particles<'_>| vectors(&all.solve_density(&gpu, 1, 0.5).unwrap());
     for (free, boxed) in moved(free).into_iter().zip(moved(boxed)) {
         // A box wraps; f32 of coordinates of 120 m: half of 7.6e-6 m.
         let gap = free - shift - boxed;
@@ -115,19 +116,15 @@ fn bad_arguments_are_named() {
         "velocities: expected 2 rows as positions, found 1",
     );
     refused(good.band_velocity(&gpu, 0.0, Filter::default()), "scale: expected");
-    refused(good.band_velocity(&gpu, 0.01, Filter::Direct { cutoff: f64::NAN }), "cutoff: expected");
+    let direct = |cutoff| Filter::Direct(DirectFilter { cutoff });
+    refused(good.band_velocity(&gpu, 0.01, direct(f64::NAN)), "cutoff: expected");
     let in_box = Particles { bounds: Some([0.03; 3]), ..good };
-    let direct = Filter::Direct { cutoff: 4.5 };
-    refused(in_box.band_velocity(&gpu, 1e3, direct), "scale: the direct filter would sum");
+    refused(in_box.band_velocity(&gpu, 1e3, direct(4.5)), "scale: the direct filter would sum");
     refused(in_box.band_velocity(&gpu, 1e-5, Filter::default()), "scale: the filter's grid would have");
     // Few in much empty space are no work.
-    assert_eq!(good.band_velocity(&gpu, 0.1, Filter::Direct { cutoff: 3.0 }).unwrap().len(), 2);
+    assert_eq!(good.band_velocity(&gpu, 0.1, direct(3.0)).unwrap().len(), 2);
     refused(good.viscosity(&gpu, -0.1), "coefficient: expected");
-    let fluid = Fluid::pbf(2, 0.5);
-    refused(
-        good.solve_density(&gpu, Fluid { iterations: 10_001, ..fluid.clone() }),
-        "iterations: expected a whole number from 0 to 10000",
-    );
-    refused(good.solve_density(&gpu, Fluid { relaxation: f64::NAN, ..fluid.clone() }), "relaxation: expected");
-    refused(Particles { radius: 4e-3, ..good }.solve_density(&gpu, fluid), "radius: expected at least 1.2 particle");
+    refused(good.solve_density(&gpu, 10_001, 0.5), "iterations: expected a whole number from 0 to 10000");
+    refused(good.solve_density(&gpu, 2, f64::NAN), "relaxation: expected");
+    refused(Particles { radius: 4e-3, ..good }.solve_density(&gpu, 2, 0.5), "radius: expected at least 1.2 particle");
 }

@@ -7,19 +7,16 @@ mod support;
 use std::{fs, process::Command};
 
 use windswept::{AdapterChoice, Gpu, Simulation, gpu::wgpu};
-use windswept_scene::{InitialState, Scene};
+use windswept_scene::{Air, InitialState, Scene, Time};
 
 /// Air of so many particles.
 fn air(particles: f64) -> Scene {
-    let text = "
-        time = { step = 1e-3, duration = 1.0 }
-        [air]
-        box = { min = [0, 0, 0], max = [0.1, 0.1, 0.1] }
-        wind = [2, 0, 0]
-        jitter = 0";
-    let sets = [1.0e-3 * 1.29 / particles, 2.0 * (1e-3 / particles).cbrt()];
-    let sets = [format!("air.particle_mass={:e}", sets[0]), format!("air.kernel_radius={:e}", sets[1])];
-    Scene::parse_with("air", text, &sets).unwrap()
+    let volume = 0.1_f64.powi(3) / particles;
+    let (particle_mass, kernel_radius) = (Air::REST_DENSITY * volume, 2.0 * volume.cbrt());
+    let air = Air::filling([0.1; 3]).wind([2.0, 0.0, 0.0]);
+    let mut scene = Scene::new(Time::new(1e-3, 1.0));
+    scene.air = Some(Air { particle_mass, kernel_radius, jitter: Some(0.0), ..air });
+    scene
 }
 
 /// Sets the most address space that this process may have, `spare` more than it has; none for no limit.

@@ -19,7 +19,7 @@ fn density_correction_keeps_momentum() {
     for (p, mass) in hair.inverse_mass.iter_mut().enumerate() {
         *mass = 1.0 / (support::MASS * (1 + p % 4) as f64);
     }
-    let scene = support::scene();
+    let scene = support::scene().check().unwrap();
     let setup = Setup::new(&scene, &initial);
     let (engine, plan) = (Engine::new(&support::gpu(), &setup).unwrap(), Plan::new(&setup));
     engine.copy_state_to_scratch().unwrap();

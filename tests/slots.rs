@@ -33,9 +33,9 @@ fn stirred() -> InitialState {
 /// Scenes with either solver; in the second the band filter sorts air again, into the cells of its grid.
 fn scenes() -> [Scene; 2] {
     let mut with_bands = support::scene();
-    with_bands.fluid.solver = FluidSolver::Divergence;
-    with_bands.turbulence.filter = Filter::Grid;
-    with_bands.turbulence.speed = SPEED;
+    with_bands.fluid.solver = Some(FluidSolver::Divergence);
+    with_bands.turbulence.filter = Some(Filter::default());
+    with_bands.turbulence.speed = Some(SPEED);
     with_bands.turbulence.bands = vec![Band { scale: 0.006, strength: 3.0, intensity: 0.3 }];
     [support::scene(), with_bands]
 }
@@ -119,7 +119,7 @@ fn quantities_go_by_id() {
     let density: Vec<_> = particles.density(&gpu).unwrap().iter().map(|rho| rho * (VOLUME / MASS) as f32).collect();
     let length = |v: &[f32; 3]| v.iter().map(|x| x * x).sum::<f32>();
     let vorticity: Vec<_> = particles.vorticity(&gpu).unwrap().iter().map(|omega| length(omega).sqrt()).collect();
-    let band = particles.band_velocity(&gpu, 0.006, windswept::ops::Filter::default()).unwrap();
+    let band = particles.band_velocity(&gpu, 0.006, Filter::default()).unwrap();
     let energy: Vec<_> = band.iter().map(|u| 0.5 * length(u)).collect();
     let off = [
         apart(&simulation.density().unwrap(), &density),
@@ -160,7 +160,7 @@ fn air_is_put_where_its_ids_say() {
 fn air_that_does_not_meet_stays_in_its_slots() {
     let mut scene = support::scene();
     scene.fluid.iterations = 0;
-    (scene.viscosity.hair, scene.viscosity.air) = (0.0, 0.0);
+    (scene.viscosity.hair, scene.viscosity.air) = (Some(0.0), Some(0.0));
     let initial = stirred();
     let mut simulation = Simulation::with_state(&support::gpu(), &scene, initial.clone()).unwrap();
     simulation.step(20).unwrap();

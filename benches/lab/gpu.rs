@@ -106,7 +106,7 @@ fn check(gpu: &Gpu) -> Result<Value> {
 
 fn measure(lab: &Lab, name: &str, file: &str, keys: &[&str], arguments: &Arguments) -> Result<Value> {
     let scene = scene(file, keys)?;
-    let plan = windswept::plan(&scene.0)?;
+    let plan = windswept::plan(&scene.0.check()?)?;
     let mut timed = Timed::new(&lab.gpu, &scene)?;
     let steps = lab.rounds(arguments.steps);
     let mut passes = Vec::new();

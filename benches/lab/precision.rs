@@ -12,7 +12,7 @@ mod wind;
 
 use std::time::Instant;
 
-use windswept_scene::FluidSolver;
+use windswept_scene::{Fluid, FluidSolver};
 use windswept_validate::{Role, Row, Sweep};
 
 use crate::{Lab, Result, asked, chart, provenance, results};
@@ -119,9 +119,12 @@ impl Air {
     }
 
     /// The table `fluid` of a scene.
-    fn keys(self) -> String {
-        let key = if self.solver == FluidSolver::Pbf { "iterations" } else { "pressure_iterations" };
-        format!("fluid = {{ solver = \"{}\", {key} = {} }}\n", self.solver.word(), self.iterations)
+    fn fluid(self) -> Fluid {
+        let usual = Fluid { solver: Some(self.solver), ..Fluid::default() };
+        match self.solver {
+            FluidSolver::Divergence => Fluid { pressure_iterations: Some(self.iterations), ..usual },
+            FluidSolver::Pbf => Fluid { iterations: self.iterations, ..usual },
+        }
     }
 
     fn series(self) -> String {

@@ -291,7 +291,7 @@ fn a_list_that_has_grown_grows_again() {
 #[test]
 fn what_a_step_reads_from_the_one_before_is_declared_to_last() {
     for (name, sets) in KINDS {
-        let scene = scene(sets);
+        let scene = scene(sets).check().unwrap();
         let initial = InitialState::new(&scene).unwrap();
         let setup = Setup::new(&scene, &initial);
         let (state, plan) = (State::new(&setup.sizes()), Plan::new(&setup));

@@ -136,12 +136,12 @@ fn what_cannot_be_saved_is_an_error() {
         assert!(said.contains(&path.display().to_string()) && said.contains("cannot be written"), "{said}");
     }
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
-    // A scene that no file can have: particles without a box that they are in.
-    let scene = support::scene();
-    let initial = support::particles(64, 0, support::Layout::Lattice, 1);
-    let simulation = Simulation::with_state(&support::gpu(), &scene, initial).unwrap();
+    // A scene that no file can have: a body whose triangles are the caller's own.
+    let mut scene = scene(&[BALL, "interaction.model=drag"]);
+    scene.bodies = support::meshed(&scene, 8, 8, 1e-3).bodies;
+    let simulation = Simulation::new(&support::gpu(), &scene).unwrap();
     let said = simulation.save(folder.path().join("now.windswept")).unwrap_err().to_string();
-    assert!(said.contains("the scene cannot be saved") && said.contains("box"), "{said}");
+    assert!(said.contains("the scene cannot be saved") && said.contains("body.ball.file"), "{said}");
 }
 
 /// A block whose edges are so long \[m\], as a `.obj`.
@@ -169,8 +169,8 @@ fn a_file_that_has_changed_is_named() {
         groom(groom_at).save(at("groom.npz")).unwrap();
     };
     write(0.01, 0.0);
-    let scene = "time = { step = 1.38e-3, duration = 0.1 }\ninteraction.model = 'none'\n[hair]\nfile = 'groom.npz'\nscale = 1.0\n\
-                 [[body]]\nname = 'block'\nshape = 'mesh'\nfile = 'block.obj'\nscale = 1.0\n";
+    let scene = "time = { step = 1.38e-3, duration = 0.1 }\ninteraction.model = 'none'\n[hair]\nfile = 'groom.npz'\n\
+                 scale = 1.0\n[[body]]\nname = 'block'\nshape = 'mesh'\nfile = 'block.obj'\nscale = 1.0\n";
     fs::write(at("scene.toml"), scene).unwrap();
     let scene = Scene::load(at("scene.toml")).unwrap();
     let mut simulation = Simulation::new(&support::gpu(), &scene).unwrap();

@@ -10,7 +10,7 @@ use windswept_reference::{
     State as Reference, commit, contact, forcing, rods,
     step::{Scratch, unobserved},
 };
-use windswept_scene::{Body, InitialState, Keyframe, Motion, Scene, Shape, Solid};
+use windswept_scene::{Body, InitialState, Keyframe, Motion, Scene, Shape};
 use windswept_shaders::{
     self as shaders,
     common::{
@@ -156,13 +156,13 @@ fn body(shape: Shape, keyframes: &[(f64, [f64; 3], [f64; 3])]) -> Body {
 /// Scene of a sphere at rest, a capsule that tumbles by, a thin one that rests askew and a sphere that overlaps the
 /// first.
 fn scene() -> Scene {
-    let bone = |start, end, radius| Shape::Capsule { start, end, radius };
+    let bone = |start, end, radius| Shape::capsule(start, end, radius);
     let tumble = [(0.001, [0.0; 3], [1.0, 0.0, 0.0]), (0.02, [0.01, -0.004, 0.008], [1.0, 1.2, -0.8])];
     let bodies = vec![
-        body(Shape::Sphere { center: [0.02, 0.018, 0.02], radius: 0.009 }, &[]),
+        body(Shape::sphere([0.02, 0.018, 0.02], 0.009), &[]),
         body(bone([0.005, 0.01, 0.02], [0.02, 0.03, 0.005], 0.006), &tumble),
         body(bone([0.03, 0.0, 0.0], [0.0, 0.03, 0.035], 0.001), &[]),
-        body(Shape::Sphere { center: [0.03, 0.018, 0.02], radius: 0.005 }, &tumble[..1]),
+        body(Shape::sphere([0.03, 0.018, 0.02], 0.005), &tumble[..1]),
     ];
     Scene { bodies, ..support::scene() }
 }
@@ -171,8 +171,7 @@ fn scene() -> Scene {
 fn meshes() -> Scene {
     let mut scene = scene();
     for body in scene.bodies.iter_mut().take(3) {
-        let solid = Solid::enclosed(body.shape.surface(16, 24), Some(4e-4)).unwrap();
-        body.shape = Shape::Mesh(solid);
+        body.shape = support::solid(&body.shape, 16, 24, 4e-4).into();
     }
     let mut again = scene.bodies[1].clone();
     again.motion = Motion::default();
@@ -192,7 +191,7 @@ fn place_is_that_of_the_reference() {
     let hour = 3600.0;
     let spin = [(hour - 0.4, [0.0; 3], [0.0, 1.0, 0.0]), (hour + 0.5, [0.3, 0.0, 0.0], [2.9, 0.9, 0.0])];
     let long = [(0.0, [0.0; 3], [0.0; 3]), (2.0 * hour, [0.2, 0.1, 0.0], [0.0, 0.0, PI - 1e-9])];
-    let shape = Shape::Capsule { start: [0.4, 0.2, 0.1], end: [0.4, 0.5, -0.1], radius: 0.05 };
+    let shape = Shape::capsule([0.4, 0.2, 0.1], [0.4, 0.5, -0.1], 0.05);
     let bodies = [&spin[..], &long, &spin[..1], &[]].map(|keyframes| body(shape.clone(), keyframes)).to_vec();
     let scene = Scene { bodies: [meshes().bodies, bodies].concat(), ..support::scene() };
     let initial = support::particles(64, 20, Layout::Random, 1);
@@ -311,12 +310,12 @@ fn among_strands(speed: f64) -> Vec<Body> {
     let at = |group: f64, x: f64, y: f64| [x, 0.1 + y, group];
     let comes = [(0.0, [0.0; 3], [0.0; 3]), (0.1, [0.0, 0.1 * speed, 0.03 * speed], [0.0; 3])];
     let tumbles = [(0.0, [0.0; 3], [0.0; 3]), (0.1, [0.05 * speed, 0.0, 0.0], [0.3 * speed, 0.0, 1.2])];
-    let ball = |center, radius| Shape::Sphere { center, radius };
+    let ball = |center, radius| Shape::sphere(center, radius);
     vec![
         body(ball(at(0.0, 0.07, -0.01), 0.03), &[]),
         body(ball(at(1.0, 0.06, -0.06), 0.03), &comes),
-        body(Shape::Capsule { start: at(2.0, 0.05, 0.02), end: at(2.05, 0.05, 0.02), radius: 0.015 }, &tumbles),
-        body(Shape::Capsule { start: at(2.95, 0.05, 0.0), end: at(3.1, 0.05, 0.02), radius: 0.002 }, &[]),
+        body(Shape::capsule(at(2.0, 0.05, 0.02), at(2.05, 0.05, 0.02), 0.015), &tumbles),
+        body(Shape::capsule(at(2.95, 0.05, 0.0), at(3.1, 0.05, 0.02), 0.002), &[]),
         body(ball(at(3.0, 0.0, 0.0), 0.02), &[]),
     ]
 }
@@ -339,8 +338,7 @@ fn rods_among_bodies_are_those_of_the_reference() {
             scene.bodies = among_strands(speed);
             if meshes {
                 scene.bodies.iter_mut().for_each(|body| {
-                    let solid = Solid::enclosed(body.shape.surface(16, 24), Some(1e-3)).unwrap();
-                    body.shape = Shape::Mesh(solid);
+                    body.shape = support::solid(&body.shape, 16, 24, 1e-3).into();
                 });
             }
             motion(&mut initial.hair, 0.2 + speed, 5.0, n as u64);

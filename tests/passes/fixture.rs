@@ -12,7 +12,7 @@ use windswept_reference::{
     contact::Memory,
     neighbours::{self, Neighbours},
 };
-use windswept_scene::{InitialState, Scene};
+use windswept_scene::{AsChecked, InitialState};
 use windswept_shaders::common::{
     contact::ContactHistory,
     matter::Exchange,
@@ -39,19 +39,20 @@ pub fn quaternion(q: [f32; 4]) -> DQuat {
 }
 
 impl Fixture {
-    pub fn new(scene: &Scene, initial: &InitialState) -> Self {
+    pub fn new(scene: &impl AsChecked, initial: &InitialState) -> Self {
         Self::on(&support::gpu(), scene, initial)
     }
 
-    pub fn on(gpu: &Gpu, scene: &Scene, initial: &InitialState) -> Self {
-        let setup = Setup::new(scene, initial);
+    pub fn on(gpu: &Gpu, scene: &impl AsChecked, initial: &InitialState) -> Self {
+        let scene = scene.as_checked().unwrap();
+        let setup = Setup::new(&scene, initial);
         let mut engine = Engine::new(gpu, &setup).unwrap();
         // Room for every pair of a clump; growing is tested elsewhere.
         let capacity = (initial.hair.positions.len() + initial.air.positions.len()).max(64) as u32 * 300;
         engine.grow_neighbours(1, capacity).unwrap();
         let mut plan = Plan::new(&setup);
         plan.recover_strands();
-        let parameters = Parameters::new(scene, initial);
+        let parameters = Parameters::new(&scene, initial);
         let mut reference = Reference::new(initial, parameters.step);
         for x in reference.position.iter_mut().chain(&mut reference.tip_targets) {
             *x = x.as_vec3().as_dvec3();
@@ -242,7 +243,7 @@ pub fn stirred(n: usize) -> Vec<DVec3> {
 }
 
 /// Compares each of the [`crowds`] in a scene.
-pub fn each(scene: &Scene, mut compare: impl FnMut(&str, &Fixture)) {
+pub fn each(scene: &impl AsChecked, mut compare: impl FnMut(&str, &Fixture)) {
     for (what, initial) in crowds() {
         compare(&what, &Fixture::new(scene, &initial));
     }

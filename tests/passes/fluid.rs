@@ -331,8 +331,8 @@ fn the_density_constraint_is_that_of_the_reference() {
 fn pressure_is_that_of_the_reference() {
     for model in [Model::TwoWay, Model::Particles] {
         let mut scene = support::scene();
-        (scene.fluid.solver, scene.fluid.coarse) = (FluidSolver::Divergence, true);
-        (scene.fluid.iterations, scene.interaction.model) = (0, model);
+        (scene.fluid.solver, scene.fluid.coarse) = (Some(FluidSolver::Divergence), true);
+        (scene.fluid.iterations, scene.interaction.model) = (0, Some(model));
         scene.fluid.pressure_iterations = Some(2);
         each(&scene, |what, fixture| {
             let (near, s) = (fixture.list_neighbours(), &fixture.reference);

@@ -310,7 +310,7 @@ fn fringe_is_that_of_the_reference() {
         Gust { time: 0.03, velocity: [4.0, -1.0, 0.0] },
         Gust { time: 0.7, velocity: [3.0, 0.0, 0.5] },
     ];
-    let eddies = Some(Inflow { intensity: 0.2, scale: 0.009, seed: 3 });
+    let eddies = Some(Inflow { intensity: 0.2, scale: 0.009 });
     for (wind_speed, gust, inflow, steps) in [
         ([3.0, 0.0, 0.0], Vec::new(), None, 0),
         ([-2.0, 0.5, 1.0], Vec::new(), eddies, 12),
@@ -322,8 +322,8 @@ fn fringe_is_that_of_the_reference() {
         for n in support::SIZES {
             let mut scene = support::scene();
             if let Some(air) = &mut scene.air {
-                (air.wind, air.gust, air.inflow) = (wind_speed, gust.clone(), inflow);
-                air.fringe = 0.02;
+                (air.wind, air.gust, air.inflow) = (Some(wind_speed), gust.clone(), inflow);
+                (air.fringe, air.seed) = (Some(0.02), Some(3));
             }
             let initial = support::particles(n, n / 3, support::Layout::Random, 4);
             let fixture = Fixture::new(&scene, &initial);
@@ -368,8 +368,8 @@ pub fn fields() -> Vec<Force> {
         origin,
         axis,
         reach,
-        radius: 0.4 * reach,
-        uptake: 0.01,
+        radius: Some(0.4 * reach),
+        uptake: Some(0.01),
         strength,
         keyframes: Vec::new(),
     };

@@ -34,7 +34,7 @@ pub fn scene_with(n: usize, keys: &str, points: [usize; 4]) -> Scene {
         }
     }
     let mut scene = Scene::parse(&text).unwrap();
-    scene.interaction.model = Model::None;
+    scene.interaction.model = Some(Model::None);
     scene
 }
 

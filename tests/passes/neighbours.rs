@@ -276,7 +276,7 @@ pub const FAULTS: &[Fault] = &[
 
 /// Neighbours that stage `neighbours` lists of the initial positions; the list grows as the simulation would grow it.
 fn listed(gpu: &Gpu, initial: &InitialState) -> Vec<Vec<u32>> {
-    let scene = support::scene();
+    let scene = support::scene().check().unwrap();
     let setup = Setup::new(&scene, initial);
     let mut engine = Engine::new(gpu, &setup).unwrap();
     engine.evaluate(|r| step::neighbours::record(r, &Plan::new(&setup))).unwrap();
@@ -349,7 +349,7 @@ fn a_row_of_too_many_particles_is_an_error() {
     let (right, fewer) = ("PLACES: u32 = 524288u", "PLACES: u32 = 8u");
     assert!(pass.source.contains(right), "{}", pass.source);
     let gpu = with_sources(&support::gpu(), [(pass.name, pass.source.replace(right, fewer))]);
-    let scene = support::scene();
+    let scene = support::scene().check().unwrap();
     let initial = support::particles(500, 0, Layout::OneCell, 1);
     let setup = Setup::new(&scene, &initial);
     let mut engine = Engine::new(&gpu, &setup).unwrap();

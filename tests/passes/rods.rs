@@ -199,7 +199,7 @@ fn forces_on_hair_are_those_of_the_reference() {
     for model in [Model::Drag, Model::Particles] {
         for n in support::SIZES.into_iter().filter(|n| *n > 1) {
             let mut scene = Scene { forces: fields(), ..support::scene() };
-            scene.interaction.model = model;
+            scene.interaction.model = Some(model);
             let air = if model == Model::Particles { n / 3 } else { 0 };
             let mut fixture = Fixture::new(&scene, &support::particles(n, n - air, support::Layout::Random, 7));
             fixture.push();
@@ -239,10 +239,10 @@ fn drag_is_that_of_the_reference() {
     ] {
         for n in support::SIZES {
             let mut scene = support::scene();
-            scene.interaction.model = model;
+            scene.interaction.model = Some(model);
             scene.interaction.lift = lift;
             if let Some(air) = &mut scene.air {
-                air.wind = [0.8 * speed, -0.6 * speed, 0.0];
+                air.wind = Some([0.8 * speed, -0.6 * speed, 0.0]);
                 air.ramp = 0.0;
             }
             let mut initial = support::particles(n, n, support::Layout::Random, 9);

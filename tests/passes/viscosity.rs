@@ -2,6 +2,7 @@
 
 use windswept::internals::step;
 use windswept_reference::{fluid, step::Scratch, viscosity};
+use windswept_scene::{Viscosity, ViscosityForm};
 use windswept_shaders as shaders;
 
 use crate::{
@@ -33,6 +34,12 @@ pub const ROWS: &[Row] = &[
     ("viscosity/xsph", |b| b.from(0, &b.state().viscous_velocity, &b.w.new_velocity), SPEED),
 ];
 
+/// Viscosity with these coefficients of hair and air, and none of eddies.
+fn viscosity(hair: f64, air: f64, form: ViscosityForm) -> Viscosity {
+    let (hair, air, smagorinsky) = (Some(hair), Some(air), Some(0.0));
+    Viscosity { hair, air, smagorinsky, form: Some(form), ..Viscosity::default() }
+}
+
 /// Planted faults of the passes of this stage.
 pub const FAULTS: &[Fault] = &[
     (&shaders::viscosity::LIMIT, PARTICLES, &[8]),
@@ -45,12 +52,9 @@ pub const FAULTS: &[Fault] = &[
 
 #[test]
 fn viscosity_and_its_limiter_are_those_of_the_reference() {
-    for (form, coefficient) in
-        [(windswept_scene::ViscosityForm::Limited, 5.0), (windswept_scene::ViscosityForm::Published, 0.3)]
-    {
+    for (form, coefficient) in [(ViscosityForm::Limited, 5.0), (ViscosityForm::Published, 0.3)] {
         let mut scene = support::scene();
-        scene.viscosity =
-            windswept_scene::Viscosity { hair: coefficient, air: 0.4 * coefficient, smagorinsky: 0.0, form };
+        scene.viscosity = viscosity(coefficient, 0.4 * coefficient, form);
         each(&scene, |what, fixture| {
             let near = fixture.list_neighbours();
             let (s, p) = (&fixture.reference, &fixture.parameters);
@@ -75,7 +79,7 @@ fn the_limiter_leaves_small_coefficients_alone() {
     let initial = support::particles(2_000, 600, support::Layout::Random, 9);
     let run = |form| {
         let mut scene = support::scene();
-        scene.viscosity = windswept_scene::Viscosity { hair: 0.6, air: 0.3, smagorinsky: 0.0, form };
+        scene.viscosity = viscosity(0.6, 0.3, form);
         let fixture = Fixture::new(&scene, &initial);
         fixture.list_neighbours();
         fixture.write_vectors(&fixture.engine.state().new_velocity, &stirred(fixture.reference.position.len()));
@@ -86,8 +90,8 @@ fn the_limiter_leaves_small_coefficients_alone() {
         let largest = fixture.exchange(|all| all.share).into_iter().fold(0.0, f64::max);
         (fixture.vectors(&fixture.engine.state().viscous_velocity), largest)
     };
-    let (limited, largest) = run(windswept_scene::ViscosityForm::Limited);
-    let (published, _) = run(windswept_scene::ViscosityForm::Published);
+    let (limited, largest) = run(ViscosityForm::Limited);
+    let (published, _) = run(ViscosityForm::Published);
     println!("largest S = {largest:.3}");
     assert!(largest > 0.1 && largest <= 1.0, "S = {largest} tests nothing");
     assert!(limited == published);

@@ -7,7 +7,7 @@ use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept::{HairFrame, Simulation};
 use windswept_reference::tables;
-use windswept_scene::{End, Groom, Scene};
+use windswept_scene::{End, Groom, Hair, Keyframe, Roots, Scene};
 use windswept_validate::internals::{LENGTH, LINE_DENSITY, Rod, mode, tips};
 
 use crate::{build, support};
@@ -177,9 +177,7 @@ fn held_tips_stay_when_roots_jump() {
         ..Groom::new((0..12).map(|k| [0.01 * f64::from(k), 0.0, 0.0]).collect(), vec![0, 12])
     };
     for tip in [End::Pinned, End::Clamped] {
-        let scene =
-            Scene::parse("interaction = { model = \"none\" }\ntime = { step = 1e-3, duration = 1.0 }\n").unwrap();
-        let mut simulation = Simulation::with_groom(&support::gpu(), &scene, &groom(tip)).unwrap();
+        let mut simulation = Simulation::with_groom(&support::gpu(), &support::alone(1e-3, []), &groom(tip)).unwrap();
         simulation.step(5).unwrap();
         let before = simulation.frame().unwrap().hair.positions[11];
         simulation.set_roots(&[DVec3::new(0.0, 0.5, 0.0)], Some(&[DQuat::from_rotation_x(1.5)])).unwrap();
@@ -197,7 +195,7 @@ fn free_roots_are_not_set() {
     let mut points: Vec<[f64; 3]> = (0..12).map(|k| [0.01 * f64::from(k), 0.0, 0.0]).collect();
     points.extend_from_within(..);
     let groom = Groom { root: vec![End::Free, End::Clamped].into(), ..Groom::new(points, vec![0, 12, 24]) };
-    let scene = Scene::parse("interaction = { model = \"none\" }\ntime = { step = 1e-3, duration = 1.0 }\n").unwrap();
+    let scene = support::alone(1e-3, []);
     let [set, left] = [true, false].map(|set| {
         let mut simulation = Simulation::with_groom(&support::gpu(), &scene, &groom).unwrap();
         simulation.step(200).unwrap();
@@ -216,17 +214,15 @@ fn free_roots_are_not_set() {
 /// `[[hair.motion]]` moves roots as `set_roots` does, and frames and substeps follow.
 #[test]
 fn keyframes_move_roots() {
-    let text = |motion: &str, substeps: u32| {
-        format!(
-            "interaction = {{ model = \"none\" }}\ntime = {{ step = 2e-3, substeps = {substeps}, duration = 1.0 }}\n\
-             [[hair]]\nstrands = 3\npoints = 12\nlength = 0.1\nroots = {{ center = [0.1, 0.2, 0.3], radius = 0.02 }}\n{motion}"
-        )
-    };
-    let motion = "[[hair.motion]]\ntime = 0.0\n[[hair.motion]]\ntime = 0.2\n\
-        translation = [0.03, 0, 0.01]\nrotation = [0, 1.5, 0]\n";
+    let still = Hair::drawn_on(3, 12, 0.1, Roots::disc([0.1, 0.2, 0.3], 0.02));
+    let end = Keyframe { time: 0.2, translation: [0.03, 0.0, 0.01], rotation: [0.0, 1.5, 0.0] };
+    let moving = Hair { motion: [Keyframe::new(0.0), end].into(), ..still.clone() };
     for substeps in [1, 4] {
-        let mut keyed = Simulation::new(&support::gpu(), &Scene::parse(&text(motion, substeps)).unwrap()).unwrap();
-        let mut driven = Simulation::new(&support::gpu(), &Scene::parse(&text("", substeps)).unwrap()).unwrap();
+        let [mut keyed, mut driven] = [&moving, &still].map(|hair| {
+            let mut scene = support::alone(2e-3, [hair.clone()]);
+            scene.time.substeps = substeps;
+            Simulation::new(&support::gpu(), &scene).unwrap()
+        });
         let start = driven.initial().hair.clone();
         let center = DVec3::new(0.1, 0.2, 0.3);
         let mut worst: f64 = 0.0;

@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3};
 use windswept::Simulation;
 use windswept_reference::tables;
-use windswept_scene::{End, Ends, Scene};
+use windswept_scene::{End, Ends, Hair, Roots};
 use windswept_validate::internals::{GRAVITY, LENGTH, LINE_DENSITY, Rod, STRETCH, tips};
 
 use crate::{build, elastica, rest, support};
@@ -192,12 +192,8 @@ fn most_points_do_not_tear_in_long_steps() {
 /// left unsolved.
 fn assert_whole(cases: &[(u32, f64, f64)]) {
     for &(points, step, bound) in cases {
-        let text = format!(
-            "interaction = {{ model = \"none\" }}\ntime = {{ step = {step}, duration = 1.0 }}\n\
-             hair = {{ strands = 8, points = {points}, length = 0.1, \
-             roots = {{ shape = \"sphere_cap\", center = [0, 0, 0], radius = 0.01, direction = [1, 0, 0] }} }}\n"
-        );
-        let mut simulation = Simulation::new(&support::gpu(), &Scene::parse(&text).unwrap()).unwrap();
+        let hair = Hair::drawn_on(8, points, 0.1, Roots::cap([0.0; 3], 0.01).toward([1.0, 0.0, 0.0]));
+        let mut simulation = Simulation::new(&support::gpu(), &support::alone(step, [hair])).unwrap();
         simulation.step(60).unwrap();
         let report = simulation.report().unwrap();
         let (stretch, steps) = (report.max_stretch.unwrap(), report.strand_steps.unwrap());

@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3};
 use windswept::{HairFrame, Simulation};
-use windswept_scene::Scene;
+use windswept_scene::{Air, Hair, Model, Rods, Roots, Scene, Time};
 use windswept_validate::internals::{LENGTH, Rod, tips};
 
 use crate::{build, rest, support};
@@ -10,8 +10,8 @@ use crate::{build, rest, support};
 /// Strands in still air that come to rest, and then something is done to them, step by step.
 struct Disturbed {
     what: &'static str,
-    /// Keys of the scene.
-    keys: &'static str,
+    /// Acceleration downward [m/s²].
+    gravity: f64,
     damping: f64,
     /// Step of the scene [s].
     step: f64,
@@ -25,19 +25,18 @@ struct Disturbed {
 
 /// Strands to which nothing is done.
 const CALM: Disturbed =
-    Disturbed { what: "nothing", keys: "", damping: 2.0, step: 4e-3, rest: 4.0, then: 0.6, moves: 0.0 };
+    Disturbed { what: "nothing", gravity: 9.81, damping: 2.0, step: 4e-3, rest: 4.0, then: 0.6, moves: 0.0 };
 
 /// Largest difference, of tips [L] and of frames [rad], between a run that skips what it may and one that skips
 /// nothing.
 fn skipped(case: &Disturbed, drive: impl Fn(&mut Simulation, f64)) -> (f64, f64) {
-    let Disturbed { what, keys, damping, step, rest, then, moves } = case;
+    let Disturbed { what, gravity, damping, step, rest, then, moves } = case;
     let run = |sleep: bool| {
-        let text = format!(
-            "{keys}\ninteraction = {{ model = \"drag\" }}\nair = {{ wind = [0, 0, 0] }}\n\
-             time = {{ step = {step}, duration = 1.0 }}\nrods = {{ damping = {damping:?}, sleep = {sleep} }}\n\
-             hair = {{ strands = 3, points = 20, length = {LENGTH}, roots = {{ center = [0, 0, 0], radius = 0.02, direction = [0.3, -1, 0] }} }}\n"
-        );
-        let mut simulation = Simulation::new(&support::gpu(), &Scene::parse(&text).unwrap()).unwrap();
+        let hair = Hair::drawn_on(3, 20, LENGTH, Roots::disc([0.0; 3], 0.02).toward([0.3, -1.0, 0.0]));
+        let mut scene = support::in_wind(*step, Air::default().wind([0.0; 3]), [hair]);
+        scene.gravity = [0.0, -gravity, 0.0];
+        scene.rods = Rods { damping: *damping, sleep, ..Rods::default() };
+        let mut simulation = Simulation::new(&support::gpu(), &scene).unwrap();
         simulation.step((rest / step) as u64).unwrap();
         let counted = simulation.report().unwrap().strand_steps.unwrap();
         assert_eq!(sleep, counted["sleeping_steps"] > 0, "{what}: {counted:?}");
@@ -127,7 +126,7 @@ fn what_is_skipped_is_not_missed_in_much_wind() {
 #[test]
 #[ignore = "long: 20 s of CPU time"]
 fn what_is_skipped_in_honey_or_weightless_is_not_missed() {
-    let floating = Disturbed { keys: "gravity = [0, 0, 0]", rest: 1.0, then: 4.0, ..CALM };
+    let floating = Disturbed { gravity: 0.0, rest: 1.0, then: 4.0, ..CALM };
     let apart = [
         skipped(&Disturbed { what: "a breath, no weight", moves: 1e-4, ..floating }, |s, _| wind(s, 3e-4)),
         skipped(&Disturbed { what: "less than a breath, no weight", ..floating }, |s, _| wind(s, 1e-5)),
@@ -159,10 +158,10 @@ fn sleep_does_not_move_what_rests() {
 #[test]
 fn hair_sleeps_in_steady_wind() {
     for (model, wind, steps) in [
-        ("drag", 0.0, [0.7e-3, 16e-3]),
-        ("drag", 1.0, [0.35e-3, 5e-3]),
-        ("drag", 3.0, [0.7e-3, 5e-3]),
-        ("two-way", 0.0, [0.35e-3, 5e-3]),
+        (Model::Drag, 0.0, [0.7e-3, 16e-3]),
+        (Model::Drag, 1.0, [0.35e-3, 5e-3]),
+        (Model::Drag, 3.0, [0.7e-3, 5e-3]),
+        (Model::TwoWay, 0.0, [0.35e-3, 5e-3]),
     ] {
         for step in steps {
             assert_sleeps(model, wind, step, if wind > 0.0 { 0.6 } else { 0.1_f64.max(12.0 * step) });
@@ -175,7 +174,7 @@ fn hair_sleeps_in_steady_wind() {
 #[test]
 #[ignore = "long: 20 s of CPU time"]
 fn hair_sleeps_in_wind_that_it_slows() {
-    let mut sleeper = real_hair("two-way", 1.0, 1.38e-3, true);
+    let mut sleeper = real_hair(Model::TwoWay, 1.0, 1.38e-3, true);
     sleeper.step(870).unwrap();
     let slept = sleeping(&mut sleeper);
     sleeper.step(500).unwrap();
@@ -185,14 +184,14 @@ fn hair_sleeps_in_wind_that_it_slows() {
 }
 
 /// A hair of 50 mm in the wind, awake or allowed to sleep.
-fn real_hair(model: &str, wind: f64, step: f64, sleep: bool) -> Simulation {
-    let text = format!(
-        "interaction = {{ model = \"{model}\" }}\ntime = {{ step = {step}, duration = 10.0 }}\nrods = {{ sleep = {sleep} }}\n\
-         air = {{ wind = [{wind}, 0, 0], ramp = 0, box = {{ min = [0, 0, 0], max = [0.08, 0.08, 0.03] }} }}\n\
-         hair = {{ strands = 1, points = 35, length = 0.05, radius = 40e-6, density = 1320, youngs_modulus = 4e9, \
-         roots = {{ center = [0.03, 0.07, 0.015], radius = 1e-9 }} }}\n"
-    );
-    Simulation::new(&support::gpu(), &Scene::parse(&text).unwrap()).unwrap()
+fn real_hair(model: Model, wind: f64, step: f64, sleep: bool) -> Simulation {
+    let mut scene = Scene::new(Time::new(step, 10.0));
+    scene.interaction.model = Some(model);
+    scene.rods.sleep = sleep;
+    let air = Air::filling([0.08, 0.08, 0.03]).wind([wind, 0.0, 0.0]);
+    scene.air = Some(Air { ramp: 0.0, ..air });
+    scene.hair = vec![Hair::drawn_on(1, 35, 0.05, Roots::disc([0.03, 0.07, 0.015], 1e-9))];
+    Simulation::new(&support::gpu(), &scene).unwrap()
 }
 
 fn sleeping(simulation: &mut Simulation) -> u64 {
@@ -200,27 +199,30 @@ fn sleeping(simulation: &mut Simulation) -> u64 {
 }
 
 /// By the time `late` \[s\] it sleeps.
-fn assert_sleeps(model: &str, wind: f64, step: f64, late: f64) {
+fn assert_sleeps(model: Model, wind: f64, step: f64, late: f64) {
     let mut sleeper = real_hair(model, wind, step, true);
     // It has been still for 0.07 s and for ten steps.
     let soon = 0.07_f64.max(10.0 * step);
     sleeper.step((late / step) as u64).unwrap();
     let slept = sleeping(&mut sleeper);
-    assert!(slept > 0 && slept <= ((late - soon) / step) as u64, "{model}, {wind} m/s, {step} s: {slept} steps asleep");
-    println!("{model}, {wind} m/s, {step} s: {slept} steps asleep");
+    assert!(
+        slept > 0 && slept <= ((late - soon) / step) as u64,
+        "{model:?}, {wind} m/s, {step} s: {slept} steps asleep"
+    );
+    println!("{model:?}, {wind} m/s, {step} s: {slept} steps asleep");
     let tip = tips(&sleeper.frame().unwrap().hair)[0];
-    if model == "drag" {
+    if model == Model::Drag {
         let mut awake = real_hair(model, wind, step, false);
         awake.step((1.5 / step) as u64).unwrap();
         let off = (tip - tips(&awake.frame().unwrap().hair)[0]).length() * LENGTH / 0.05;
         println!("    {off:.1e} L off");
-        assert!(off < 1e-4, "{model}, {wind} m/s, {step} s: {off} L off");
+        assert!(off < 1e-4, "{model:?}, {wind} m/s, {step} s: {off} L off");
     }
     sleeper.step(20).unwrap();
-    assert_eq!(sleeping(&mut sleeper), slept + 20, "{model}, {wind} m/s, {step} s: woken by nothing");
+    assert_eq!(sleeping(&mut sleeper), slept + 20, "{model:?}, {wind} m/s, {step} s: woken by nothing");
     sleeper.set_wind(DVec3::X * (wind + 0.1)).unwrap();
     sleeper.step(20).unwrap();
-    assert!(sleeping(&mut sleeper) < slept + 40, "{model}, {wind} m/s, {step} s: not woken by a breath");
+    assert!(sleeping(&mut sleeper) < slept + 40, "{model:?}, {wind} m/s, {step} s: not woken by a breath");
 }
 
 /// Tips of falling strands, however short the steps are, go where they go in a run that skips nothing.

@@ -4,7 +4,7 @@ use glam::DVec3;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept::Simulation;
-use windswept_scene::{InitialState, Scene};
+use windswept_scene::{Air, End, Fibre, Gust, Hair, InitialState, Rods, Roots, Scene};
 use windswept_validate::internals::{LENGTH, Rod, chain_tip};
 
 use crate::{rest, support};
@@ -29,28 +29,23 @@ fn stiff_segments_rest_on_a_chain_of_links() {
 }
 
 /// A scene of strands of 50 mm in the mean wind.
-fn hair(strands: usize, segments: usize, step: f64, wind: f64, keys: &str) -> (Scene, InitialState) {
-    let text = format!(
-        "interaction = {{ model = \"drag\" }}\ntime = {{ step = {step}, duration = 1e4 }}\n{keys}\n\
-         air = {{ wind = [{wind}, 0, 0], ramp = 0 }}\n\
-         hair = {{ strands = {strands}, points = {}, length = 0.05, fibres_per_strand = 4, \
-         roots = {{ center = [0, 0, 0], radius = 0.01, direction = [0, -1, 0] }} }}\n",
-        segments + 1
-    );
-    let scene = Scene::parse(&text).unwrap();
-    let initial = InitialState::new(&scene).unwrap();
-    (scene, initial)
+fn hair(strands: u32, segments: u32, step: f64, wind: f64) -> Scene {
+    let fibre = Fibre { fibres_per_strand: 4.0, ..Fibre::default() };
+    let hair = Hair::drawn_on(strands, segments + 1, 0.05, Roots::disc([0.0; 3], 0.01));
+    let air = Air { ramp: 0.0, ..Air::default().wind([wind, 0.0, 0.0]) };
+    support::in_wind(step, air, [Hair { fibre, ..hair }])
 }
 
 /// No segment of a thousand random tangles is stretched by more than 1e-3 in any step, and none is lost.
 #[test]
 fn tangles_are_whole_in_every_step() {
-    const STRANDS: usize = 84;
+    const STRANDS: u32 = 84;
     let mut rng = Pcg64::seed_from_u64(7);
     let mut worst = 0.0_f64;
     for segments in [4, 8, 34, 100] {
         for step in [0.35e-3, 1.38e-3, 16e-3] {
-            let (scene, mut initial) = hair(STRANDS, segments, step, 3.0, "");
+            let scene = hair(STRANDS, segments, step, 3.0);
+            let mut initial = InitialState::new(&scene).unwrap();
             let hair = &mut initial.hair;
             for s in 0..hair.len() {
                 let (size, root) = (0.05 * rng.random_range(0.2..3.0), hair.positions[hair.points(s).start]);
@@ -76,21 +71,13 @@ fn tangles_are_whole_in_every_step() {
 fn gusts_do_not_tear_held_tips_off() {
     let gust = |i: u32| {
         let (begins, ends) = (0.05 + 0.1 * f64::from(i), 0.1 + 0.1 * f64::from(i));
-        format!(
-            "{{ time = {begins}, velocity = [0, 0, 0] }}, {{ time = {}, velocity = [100, 0, 0] }}, \
-             {{ time = {ends}, velocity = [100, 0, 0] }}, {{ time = {}, velocity = [0, 0, 0] }}",
-            begins + 1e-3,
-            ends + 1e-3
-        )
+        [(begins, 0.0), (begins + 1e-3, 100.0), (ends, 100.0), (ends + 1e-3, 0.0)]
     };
-    let gusts: Vec<String> = (0..10).map(gust).collect();
-    let text = format!(
-        "interaction = {{ model = \"drag\" }}\ntime = {{ step = 5e-3, duration = 10 }}\nair = {{ wind = [0, 0, 0], gust = [{}] }}\n\
-         hair = {{ strands = 4, points = 35, length = 0.15, radius = 4e-5, tip = \"clamped\", \
-         roots = {{ center = [0, 0, 0], radius = 0.02 }} }}\n",
-        gusts.join(", ")
-    );
-    let mut simulation = Simulation::new(&support::gpu(), &Scene::parse(&text).unwrap()).unwrap();
+    let keyframe = |(time, u)| Gust { time, velocity: [u, 0.0, 0.0] };
+    let air = Air { gust: (0..10).flat_map(gust).map(keyframe).collect(), ..Air::default().wind([0.0; 3]) };
+    let hair = Hair::drawn_on(4, 35, 0.15, Roots::disc([0.0; 3], 0.02));
+    let scene = support::in_wind(5e-3, air, [Hair { tip: End::Clamped, ..hair }]);
+    let mut simulation = Simulation::new(&support::gpu(), &scene).unwrap();
     simulation.step(400).unwrap();
     let report = simulation.report().unwrap();
     let stretch = report.max_stretch.unwrap();
@@ -104,8 +91,9 @@ fn gusts_do_not_tear_held_tips_off() {
 fn hair_at_rest_stays_awake() {
     for step in [1.38e-3, 5e-3, 16e-3] {
         for wind in [0.0, 3.0] {
-            let (scene, initial) = hair(4, 34, step, wind, "rods = { sleep = false, damping = 20 }");
-            let mut simulation = Simulation::with_state(&support::gpu(), &scene, initial).unwrap();
+            let mut scene = hair(4, 34, step, wind);
+            scene.rods = Rods { sleep: false, damping: 20.0, ..Rods::default() };
+            let mut simulation = Simulation::new(&support::gpu(), &scene).unwrap();
             simulation.step((1.5 / step) as u64).unwrap();
             let places = |simulation: &Simulation| -> Vec<DVec3> {
                 simulation.frame().unwrap().hair.positions.iter().map(|x| DVec3::from_array(x.map(f64::from))).collect()

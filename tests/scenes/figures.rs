@@ -8,15 +8,15 @@ use windswept::{
     internals::{Plan, Recorder, Setup, State, step},
     plan,
 };
-use windswept_scene::{InitialState, Method, Model, Scene};
+use windswept_scene::{CheckedScene, InitialState, Method, Model, Scene};
 
 use crate::support;
 
 const FIGURES: [&str; 6] = ["fig2a", "fig2b", "fig3a", "fig3b", "fig3c", "fig4"];
 
-fn load(name: &str) -> Scene {
+fn load(name: &str) -> CheckedScene {
     let file = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(format!("examples/scenes/{name}.toml"));
-    Scene::load(&file).unwrap()
+    Scene::load(&file).unwrap().check().unwrap()
 }
 
 /// The scenes and their small copies have the values of the paper's section 4 and table 1, figure by figure.

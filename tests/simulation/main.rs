@@ -13,9 +13,7 @@ use windswept::{
     gpu::wgpu,
     internals::{AnyArray, Engine, Setup, with_variant},
 };
-use windswept_scene::{
-    AirParticles, Body, FluidSolver, InitialState, Keyframe, Model, Motion, Scene, Shape, Solver, Strands,
-};
+use windswept_scene::{AirParticles, Body, FluidSolver, InitialState, Keyframe, Model, Motion, Scene, Solver, Strands};
 use windswept_shaders::common::pressure::Pressed;
 
 /// Scene of `n` x `n` straight strands of 0.06 m along +x, 6 mm apart, in a box of 0.10 x 0.06 x 0.06 m, filled with
@@ -85,10 +83,10 @@ fn windy() -> Scene {
 
 fn with_model(model: Model) -> Scene {
     let mut scene = support::scene();
-    scene.interaction.model = model;
+    scene.interaction.model = Some(model);
     if let Some(air) = &mut scene.air {
-        air.wind = [3.0, 0.0, 0.0];
-        air.fringe = 2.0 * RADIUS;
+        air.wind = Some([3.0, 0.0, 0.0]);
+        air.fringe = Some(2.0 * RADIUS);
     }
     scene
 }
@@ -107,10 +105,9 @@ fn run(scene: &Scene, initial: &InitialState, steps: &[u64]) -> (Frame, Simulati
 fn two_runs_give_the_same_bits() {
     let at = |time, y| Keyframe { time, translation: [0.0, y, 0.0], rotation: [0.0; 3] };
     let ball = Body {
-        name: "ball".into(),
-        shape: Shape::Sphere { center: [0.06, 0.0, 0.03], radius: 0.01 },
         friction: 0.4,
         motion: Motion { keyframes: vec![at(0.0, 0.0), at(0.1, 0.04)] },
+        ..Body::sphere([0.06, 0.0, 0.03], 0.01)
     };
     for model in [Model::Particles, Model::TwoWay] {
         let scene = Scene { bodies: vec![ball.clone()], ..with_model(model) };
@@ -138,7 +135,8 @@ fn a_short_neighbour_list_is_grown_and_the_step_replayed() {
     let initial = support::particles(600, 60, support::Layout::OneCell, 5);
     let (frame, simulation) = run(&scene, &initial, &[3]);
     let grown = simulation.engine().sizes().neighbours;
-    let first = Engine::new(&support::gpu(), &Setup::new(&scene, &initial)).unwrap().sizes().neighbours;
+    let first =
+        Engine::new(&support::gpu(), &Setup::new(&scene.check().unwrap(), &initial)).unwrap().sizes().neighbours;
     println!("neighbour list: {first} entries at first, {grown} after");
     assert!(grown > first, "the list did not have to grow");
     assert_eq!(frame.step, 3);
@@ -234,7 +232,7 @@ fn a_state_that_does_not_fit_is_refused() {
     let refused = |spoil: &dyn Fn(&mut InitialState), word: &str| {
         let mut initial = brush(2);
         spoil(&mut initial);
-        let uncounted = windswept::memory_bytes(&windy(), &initial).unwrap_err().to_string();
+        let uncounted = windswept::memory_bytes(&windy().check().unwrap(), &initial).unwrap_err().to_string();
         let error = Simulation::with_state(&support::gpu(), &windy(), initial).unwrap_err().to_string();
         assert!(error.contains(word) && uncounted.contains(word), "{error}; {uncounted}");
     };
@@ -272,7 +270,7 @@ fn a_measurement_leaves_the_wind_as_it_is() {
 fn a_violent_point_tears_nothing() {
     for solver in [Solver::Direct, Solver::GaussSeidel] {
         let mut scene = windy();
-        scene.rods.solver = solver;
+        scene.rods.solver = Some(solver);
         let mut simulation = Simulation::with_state(&support::gpu(), &scene, brush(2)).unwrap();
         let engine = simulation.engine();
         let mut velocity: Vec<[f32; 4]> = engine.read(&engine.state().velocity).unwrap();
@@ -309,10 +307,10 @@ fn hair_outside_the_box_is_counted_after_a_while() {
 #[test]
 fn pressure_starts_anew_where_things_are_put() {
     let mut scene = windy();
-    scene.fluid.solver = FluidSolver::Divergence;
-    scene.viscosity.hair = 0.0;
+    scene.fluid.solver = Some(FluidSolver::Divergence);
+    scene.viscosity.hair = Some(0.0);
     let air = scene.air.as_mut().unwrap();
-    (air.wind, air.fringe) = ([0.0; 3], 0.0);
+    (air.wind, air.fringe) = (Some([0.0; 3]), Some(0.0));
     let mut initial = brush(2);
     for (k, v) in initial.air.velocities.iter_mut().enumerate() {
         *v = 0.3 * DVec3::new((k as f64).sin(), (2.0 * k as f64).cos(), (3.0 * k as f64).sin());

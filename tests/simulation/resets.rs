@@ -243,7 +243,7 @@ fn what_comes_behind_the_engines_back_resets_its_strand() {
     for scene in brooks() {
         // A particle of air exchanges no more than it bears with hair that drags it: a point a thousand times as fast
         // as anything goes unnoticed there, and only its strand is swept along.
-        let fast = if scene.interaction.model == Model::Particles { 1e7 } else { 1e30 };
+        let fast = if scene.interaction.model == Some(Model::Particles) { 1e7 } else { 1e30 };
         let values = [("position", f32::NAN), ("position", 1e30), ("velocity", f32::NAN), ("velocity", fast)];
         for (name, value) in values.into_iter().chain([("orientation", f32::NAN)]) {
             let [mut written, mut by_hand] = [(); 2].map(|()| Simulation::new(&support::gpu(), &scene).unwrap());

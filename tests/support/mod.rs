@@ -68,23 +68,50 @@ pub fn callers_device(asked: &wgpu::DeviceDescriptor<'_>) -> (wgpu::Device, Resu
     (device.clone(), Gpu::from_device(&adapter, device, queue))
 }
 
-/// Keys of the tests of single passes: values in place of some defaults, and the keys that a scene must have.
-const PLAIN: &str = "
-title = \"test\"
-interaction = { model = \"particles\" }
-fluid = { solver = \"pbf\" }
-time = { step = 1.38e-3, duration = 1.0 }
-air = { box = { min = [0, 0, 0], max = [1, 1, 1] }, wind = [0, 0, 0] }
-turbulence.filter = \"direct\"
-rods = { solver = \"gauss-seidel\", integrator = \"euler\", sleep = false }
-";
-
 /// Scene with the paper's parameters, without hair, in still air; hair that a test puts in is one fluid with the air.
-/// The box of its air is that of the particles which a test puts in.
+/// The box of the air is that of the particles which a test puts in, whatever box the scene has.
 pub fn scene() -> Scene {
-    let scene = Scene::parse(PLAIN).unwrap();
-    let air = scene.air.clone().map(|air| Air { bounds: None, ..air });
-    Scene { text: Source::default(), air, ..scene }
+    let mut scene = Scene::new(Time::new(1.38e-3, 1.0));
+    scene.interaction.model = Some(Model::Particles);
+    scene.fluid.solver = Some(FluidSolver::Pbf);
+    scene.air = Some(Air::filling([0.1; 3]).wind([0.0; 3]));
+    scene.turbulence.filter = Some(Filter::Direct(DirectFilter::default()));
+    let (solver, integrator) = (Some(Solver::GaussSeidel), Some(Integrator::Euler));
+    scene.rods = Rods { solver, integrator, sleep: false, ..Rods::default() };
+    scene
+}
+
+/// Scene of hair alone, in steps of `step` \[s\].
+pub fn alone(step: f64, hair: impl Into<Vec<Hair>>) -> Scene {
+    let mut scene = Scene::new(Time::new(step, 10.0));
+    scene.interaction.model = Some(Model::None);
+    scene.hair = hair.into();
+    scene
+}
+
+/// Scene of hair that the mean wind drags, in steps of `step` \[s\].
+pub fn in_wind(step: f64, air: Air, hair: impl Into<Vec<Hair>>) -> Scene {
+    let mut scene = alone(step, hair);
+    scene.interaction.model = Some(Model::Drag);
+    scene.air = Some(air);
+    scene
+}
+
+/// The solid of a sphere or capsule as so many rows and sides of triangles, in a grid of this spacing \[m\].
+pub fn solid(shape: &Shape, rows: u32, sides: u32, resolution: f64) -> Solid {
+    let round = match *shape {
+        Shape::Sphere(sphere) => CheckedShape::Sphere(sphere),
+        Shape::Capsule(capsule) => CheckedShape::Capsule(capsule),
+        Shape::Mesh(_) => panic!("a mesh has triangles already"),
+    };
+    Solid::enclosed(round.surface(rows, sides), Some(resolution)).unwrap()
+}
+
+/// The scene with its only body as so many rows and sides of triangles, in a grid of this spacing \[m\].
+pub fn meshed(scene: &Scene, rows: u32, sides: u32, resolution: f64) -> Scene {
+    let mut scene = scene.clone();
+    scene.bodies[0].shape = solid(&scene.bodies[0].shape, rows, sides, resolution).into();
+    scene
 }
 
 /// Hair for tests of particles, in strands of `points_per_strand`, at the positions that the caller gives; rest lengths

@@ -7,7 +7,7 @@ use glam::{DMat3, DVec3};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept::Simulation;
-use windswept_scene::{Band, Filter, InitialState, Scene};
+use windswept_scene::{Air, Band, Filter, InitialState, Scene, Time, Turbulence};
 use windswept_validate::internals::SIMPLE;
 
 use crate::{
@@ -58,8 +58,8 @@ fn stirred() -> InitialState {
 /// Air after a run in which one band is strengthened: energies of all three \[m²/s²\].
 fn strengthened(scale: f64, strength: f64) -> [f64; 3] {
     let mut scene = air_scene();
-    scene.turbulence.filter = Filter::Grid;
-    scene.turbulence.speed = SPEED;
+    scene.turbulence.filter = Some(Filter::default());
+    scene.turbulence.speed = Some(SPEED);
     scene.turbulence.bands = vec![Band { scale, strength, intensity: INTENSITY }];
     let mut simulation = Simulation::with_state(&support::gpu(), &scene, stirred()).unwrap();
     let energies = |simulation: &Simulation| -> [f64; 3] {
@@ -94,8 +94,8 @@ fn the_scale_says_how_large_eddies_grow() {
 /// it.
 fn held(scale: f64, intensity: f64, substeps: u32) -> f64 {
     let mut scene = air_scene();
-    scene.turbulence.filter = Filter::Grid;
-    scene.turbulence.speed = SPEED;
+    scene.turbulence.filter = Some(Filter::default());
+    scene.turbulence.speed = Some(SPEED);
     scene.time.substeps = substeps;
     scene.turbulence.bands = vec![Band { scale, strength: Band::STRENGTH, intensity }];
     let mut initial = stirred();
@@ -141,11 +141,9 @@ fn eddies_have_the_intensity_asked_for() {
 #[ignore = "long: three minutes of CPU time"]
 fn eddies_that_enter_keep_their_intensity() {
     for (scale, intensity, substeps) in [(0.006, 0.3, 2), (0.012, 0.3, 2), (0.018, 0.3, 2), (0.012, 0.6, 4)] {
-        let text = format!(
-            "time = {{ step = 1.38e-3, substeps = {substeps}, duration = 1 }}\nair.wind = [3, 0, 0]\nair.ramp = 0\n\
-             air.box = {{ min = [0, 0, 0], max = [0.5, 0.09, 0.09] }}\nturbulence = {{ scale = {scale}, intensity = {intensity} }}\n"
-        );
-        let scene = Scene::parse(&text).unwrap();
+        let mut scene = Scene::new(Time { substeps, ..Time::new(1.38e-3, 1.0) });
+        scene.air = Some(Air { ramp: 0.0, ..Air::filling([0.5, 0.09, 0.09]).wind([SPEED, 0.0, 0.0]) });
+        scene.turbulence = Turbulence { intensity: Some(intensity), ..Turbulence::scale(scale) };
         let mut simulation = Simulation::new(&support::gpu(), &scene).unwrap();
         simulation.step(140).unwrap();
         let (mut sum, mut count) = (0.0, 0.0);

@@ -13,22 +13,23 @@ use rand_pcg::Pcg64;
 use support::{VOLUME, lattice};
 use windswept::{
     GpuError, Simulation,
+    gpu::wgpu,
     internals::{Array, Engine, Plan, Recorder, Setup, State, step},
 };
-use windswept_scene::{Band, Filter, FluidSolver, InitialState, Scene};
+use windswept_scene::{Air, Band, DirectFilter, Filter, FluidSolver, GridFilter, InitialState, Scene, Time};
 use windswept_validate::internals::{SIMPLE, waves};
 
 /// The scene of the tests, whose air is that of solver `divergence`: the default.
 fn air_scene() -> Scene {
     let mut scene = support::scene();
-    scene.fluid.solver = FluidSolver::Divergence;
+    scene.fluid.solver = Some(FluidSolver::Divergence);
     scene
 }
 
 fn scene(scale: f64, strength: f64) -> Scene {
     let mut scene = air_scene();
     scene.turbulence.bands = vec![Band { scale, strength, intensity: 0.3 }];
-    scene.turbulence.speed = 3.0;
+    scene.turbulence.speed = Some(3.0);
     scene
 }
 
@@ -39,7 +40,8 @@ fn measure(
     record: impl Fn(&mut Recorder<'_>, &Plan),
     array: impl Fn(&State) -> &Array<[f32; 4]>,
 ) -> Vec<DVec3> {
-    let setup = Setup::new(scene, initial);
+    let scene = scene.check().unwrap();
+    let setup = Setup::new(&scene, initial);
     let (mut engine, plan) = (Engine::new(&support::gpu(), &setup).unwrap(), Plan::new(&setup));
     engine.evaluate(|r| record(r, &plan)).unwrap();
     let read = engine.read(array(engine.state())).unwrap();
@@ -65,7 +67,7 @@ fn a_cut_filter_leaks_uniform_flow() {
     let initial = with_velocities(lattice([12; 3], SIMPLE), |_| DVec3::X);
     for (cutoff, wanted) in [(3.0, 0.32527), (3.5, 0.10171), (4.0, 0.02328), (4.5, 0.00396)] {
         let mut scene = scene(0.018, 3.0);
-        scene.turbulence.cutoff = cutoff;
+        scene.turbulence.filter = Some(Filter::Direct(DirectFilter { cutoff }));
         let leak = band_velocity(&scene, &initial);
         println!("cut at {cutoff} s: {:.5}, continuum {wanted:.5}", leak[0].x);
         for u in &leak {
@@ -73,7 +75,7 @@ fn a_cut_filter_leaks_uniform_flow() {
             assert!((*u - wanted * DVec3::X).length() < 0.04 * wanted + 5e-4, "{u} at {cutoff} s");
         }
         // Air that blows with the wind is not turbulent: the filter sees v - U.
-        scene.air.as_mut().unwrap().wind = [1.0, 0.0, 0.0];
+        scene.air.as_mut().unwrap().wind = Some([1.0, 0.0, 0.0]);
         scene.air.as_mut().unwrap().ramp = 0.0;
         let none = band_velocity(&scene, &initial);
         assert!(none.iter().all(|u| *u == DVec3::ZERO), "the wind itself reads as eddies: {}", none[0]);
@@ -114,7 +116,7 @@ fn confinement_feeds_its_band_and_keeps_momentum() {
     let weak = |strength: f64| {
         let mut scene = scene(0.009, strength);
         scene.turbulence.bands[0].intensity = 0.1;
-        scene.turbulence.filter = Filter::Grid;
+        scene.turbulence.filter = Some(Filter::default());
         scene
     };
     // Strength 1e-9 measures the band without feeding it.
@@ -144,7 +146,7 @@ fn confinement_feeds_its_band_and_keeps_momentum() {
     };
     same(&weak(0.0));
     let mut still = weak(30.0);
-    still.turbulence.speed = 0.0;
+    still.turbulence.speed = Some(0.0);
     same(&still);
     same(&air_scene());
 }
@@ -157,7 +159,7 @@ fn any_strength_is_stable() {
     for strength in [1e2, 1e4, 1e18] {
         let mut scene = scene(0.006, strength);
         scene.turbulence.bands.push(Band { scale: 0.009, strength, intensity: 0.3 });
-        scene.turbulence.filter = Filter::Grid;
+        scene.turbulence.filter = Some(Filter::default());
         let mut simulation = Simulation::with_state(&support::gpu(), &scene, initial.clone()).unwrap();
         simulation.step(100).unwrap();
         let velocities = simulation.frame().unwrap().air.velocities;
@@ -170,23 +172,27 @@ fn any_strength_is_stable() {
     }
 }
 
-/// A band too fine for the adapter's largest binding is refused, with the scale that would fit; one too fine for the
+/// A band too fine for the device's largest binding is refused, with the scale that would fit; one too fine for the
 /// particles, warned of.
 #[test]
 fn bands_that_do_not_fit_are_named() {
-    let text = "[time]\nstep = 1.38e-3\nduration = 1.0\n[air]\nbox = { min = [0, 0, 0], max = [0.2, 0.1, 0.1] }\nwind = [3, 0, 0]";
     let scene = |scale: f64| {
-        let mut scene = Scene::parse(&format!("{text}\n[turbulence]\nbands = [{{ scale = 0.01 }}]")).unwrap();
-        scene.turbulence.bands[0].scale = scale;
+        let mut scene = Scene::new(Time::new(1.38e-3, 1.0));
+        scene.air = Some(Air::filling([0.2, 0.1, 0.1]).wind([3.0, 0.0, 0.0]));
+        let (strength, intensity) = (Band::STRENGTH, Band::INTENSITY);
+        scene.turbulence.bands = vec![Band { scale, strength, intensity }];
         scene
     };
-    let error = Simulation::new(&support::gpu(), &scene(2e-4)).unwrap_err();
+    let limits = wgpu::Limits { max_storage_buffer_binding_size: 32 << 20, ..wgpu::Limits::default() };
+    let device = wgpu::DeviceDescriptor { required_limits: limits, ..Default::default() };
+    let gpu = support::callers_device(&device).1.unwrap();
+    let error = Simulation::new(&gpu, &scene(1e-3)).unwrap_err();
     let windswept::Error::Gpu(GpuError::BandTooFine { scale, fits, most, .. }) = error else { panic!("{error}") };
     println!("{error}");
     let nodes = |scale: f64| -> f64 {
-        scene(scale).turbulence.nodes(scale, 9.3e-3, DVec3::new(0.2, 0.1, 0.1)).iter().product()
+        scene(scale).check().unwrap().turbulence.nodes(scale, 9.3e-3, DVec3::new(0.2, 0.1, 0.1)).iter().product()
     };
-    assert!(scale == 2e-4 && nodes(1.02 * fits) <= most as f64 && nodes(0.98 * fits) > most as f64, "{fits} m");
+    assert!(scale == 1e-3 && nodes(1.02 * fits) <= most as f64 && nodes(0.98 * fits) > most as f64, "{fits} m");
     let warned = |scale: f64| {
         InitialState::new(&scene(scale)).unwrap().warnings.iter().any(|warning| warning.contains("can carry"))
     };
@@ -218,8 +224,8 @@ fn strength_is_independent_of_the_discretisation() {
     let rate = |step: f64, kernel: f64, nodes: f64, finer: usize| {
         // So feeble that a band hardly grows within a step.
         let mut scene = scene(0.012, 3e-3);
-        scene.turbulence.filter = Filter::Grid;
-        (scene.time.step, scene.turbulence.spacing) = (step, nodes);
+        scene.turbulence.filter = Some(Filter::Grid(GridFilter { spacing: nodes }));
+        scene.time.step = step;
         scene.air.as_mut().unwrap().kernel_radius = kernel;
         let mut initial = lattice([12 * finer; 3], SIMPLE);
         let air = &mut initial.air;

@@ -1,9 +1,8 @@
 //! The band filter's error against the whole sum, by where the direct sum is cut and how fine the grid is.
 
 use glam::DVec3;
-use windswept::ops::Filter;
 use windswept_reference::turbulence::{mexican_hat, peak_gain};
-use windswept_scene::{Band, Scene};
+use windswept_scene::{Band, DirectFilter, Filter, GridFilter, Scene};
 use windswept_validate::internals::{Cloud, RADIUS, VOLUME, air_scene, rms, vectors};
 
 use crate::{Lab, Result, timing};
@@ -26,10 +25,11 @@ const PASSES: [&str; 5] =
 /// The settings that differ at this scale, each with its series and its name: no grid is coarser than a kernel radius.
 fn settings(lab: &Lab, scale: f64) -> Vec<(Filter, &'static str, String)> {
     let direct = lab.some(&CUTOFFS).iter();
-    let direct = direct.map(|&cutoff| (Filter::Direct { cutoff }, "direct sum", format!("cut at {cutoff} s")));
+    let direct =
+        direct.map(|&cutoff| (Filter::Direct(DirectFilter { cutoff }), "direct sum", format!("cut at {cutoff} s")));
     let grids = lab.some(&SPACINGS).iter().map(|&spacing| {
         let spacing = spacing.min(RADIUS / scale);
-        (Filter::Grid { spacing }, "grid", format!("nodes {spacing:.3} s apart at most"))
+        (Filter::Grid(GridFilter { spacing }), "grid", format!("nodes {spacing:.3} s apart at most"))
     });
     let mut all: Vec<_> = direct.chain(grids).collect();
     all.dedup_by(|a, b| a.0 == b.0);
@@ -43,8 +43,8 @@ pub(super) fn measure(lab: &Lab) -> Result<Measured> {
     for &scale in lab.some(&SCALES) {
         let whole = whole_sum(&air, scale);
         let kind = format!("s = {} mm: rms error of û over its rms", 1e3 * scale);
-        let usual = match Filter::of(&air_scene("")?.turbulence) {
-            Filter::Grid { spacing } => Filter::Grid { spacing: spacing.min(RADIUS / scale) },
+        let usual = match air_scene("")?.check()?.turbulence.filter {
+            Filter::Grid(GridFilter { spacing }) => Filter::Grid(GridFilter { spacing: spacing.min(RADIUS / scale) }),
             direct => direct,
         };
         let settings = settings(lab, scale);
@@ -71,7 +71,7 @@ pub(super) fn measure(lab: &Lab) -> Result<Measured> {
 fn scene(scale: f64, filter: Filter) -> Result<Scene> {
     let mut scene = air_scene("turbulence.speed = 1.0")?;
     scene.turbulence.bands = vec![Band { scale, strength: 1e-9, intensity: 1.0 }];
-    filter.set(&mut scene.turbulence);
+    scene.turbulence.filter = Some(filter);
     Ok(scene)
 }
 

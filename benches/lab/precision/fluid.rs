@@ -56,14 +56,15 @@ pub(super) fn measure(lab: &Lab) -> Result<Measured> {
     let steps = if lab.quick { 2 } else { STEPS };
     let mut scenes = Vec::new();
     for &relaxation in lab.some(&RELAXATIONS) {
-        let fluids = lab.some(&ITERATIONS).iter().map(|&iterations| Fluid::pbf(iterations, relaxation));
+        let fluid = |&iterations| Fluid { iterations, relaxation, ..plain.fluid.clone() };
+        let fluids = lab.some(&ITERATIONS).iter().map(fluid);
         scenes.extend(fluids.map(|fluid| (Scene { fluid, ..plain.clone() }, moving.initial())));
     }
     let times = timing::of_passes(&lab.gpu, &scenes, &PASSES, lab.rounds(8))?;
     let mut measured = Measured::default();
     for ((scene, _), ms) in scenes.iter().zip(times) {
         let Fluid { iterations, relaxation, .. } = scene.fluid;
-        let [rms_error, over] = solve(lab, &disturbed, scene.fluid.clone())?;
+        let [rms_error, over] = solve(lab, &disturbed, iterations, relaxation)?;
         let [moving_error, divergence] = run(lab, scene, &moving, steps)?;
         let errors = [
             ("one solve: rms of ρ/ρ0 − 1", rms_error, 0.0),
@@ -74,7 +75,7 @@ pub(super) fn measure(lab: &Lab) -> Result<Measured> {
         let (series, setting) = (format!("relaxation {relaxation}"), format!("{iterations} iterations"));
         measured.add(&series, &setting, ms, role((iterations, relaxation) == usual, true), errors);
     }
-    let start = divergence(&plain, &moving.initial());
+    let start = divergence(&plain, &moving.initial())?;
     measured.notes = vec![
         format!("one solve: box of {SIDE}³ particles, jitter 0.2 d, compressed along x by a wave of {COMPRESSION} ρ0"),
         format!(
@@ -89,7 +90,8 @@ pub(super) fn measure(lab: &Lab) -> Result<Measured> {
 /// Adds points of both solvers, by iterations and substeps, on flows of which an ideal fluid keeps something.
 fn ideal(lab: &Lab, moving: &Cloud, measured: &mut Measured) -> Result<()> {
     let built = |air: Air, substeps: u32| -> Result<Scene> {
-        let mut scene = air_scene(&air.keys())?;
+        let mut scene = air_scene("")?;
+        scene.fluid = air.fluid();
         scene.time.substeps = substeps;
         Ok(scene)
     };
@@ -100,7 +102,7 @@ fn ideal(lab: &Lab, moving: &Cloud, measured: &mut Measured) -> Result<()> {
     let scenes = scenes.collect::<Result<Vec<_>>>()?;
     let times = timing::of_passes(&lab.gpu, &scenes, &PASSES, lab.rounds(8))?;
     let plain = air_scene("")?;
-    let usual = Air::divergence(plain.pressure_iterations());
+    let usual = Air::divergence(plain.check()?.fluid.pressure_iterations);
     let plain = plain.fluid;
     let band = |fluid: &Fluid, substeps: u32| -> Result<f64> { Ok(stirred(&lab.gpu, fluid, substeps)?[0]) };
     let truth = band(&plain, fine)?;
@@ -143,8 +145,8 @@ fn disturbed() -> Cloud {
 }
 
 /// Errors after one solve: rms of ρ/ρ0 − 1, and of its positive part.
-fn solve(lab: &Lab, air: &Cloud, fluid: Fluid) -> Result<[f64; 2]> {
-    let moved = air.particles().solve_density(&lab.gpu, fluid)?;
+fn solve(lab: &Lab, air: &Cloud, iterations: u32, relaxation: f64) -> Result<[f64; 2]> {
+    let moved = air.particles().solve_density(&lab.gpu, iterations, relaxation)?;
     let solved = Cloud { positions: moved.iter().map(|x| x.map(f64::from)).collect(), ..air.clone() };
     let density = solved.particles().density(&lab.gpu)?;
     let errors = density.iter().map(|rho| f64::from(*rho) / REST_DENSITY - 1.0);
@@ -163,16 +165,16 @@ fn run(lab: &Lab, scene: &Scene, air: &Cloud, steps: u64) -> Result<[f64; 2]> {
     let AirFrame { positions, velocities, .. } = simulation.frame()?.air;
     let mut after = air.initial();
     (after.air.positions, after.air.velocities) = (vectors(&positions), vectors(&velocities));
-    Ok([rms(density.iter().map(|ratio| f64::from(*ratio) - 1.0)), divergence(scene, &after)])
+    Ok([rms(density.iter().map(|ratio| f64::from(*ratio) - 1.0)), divergence(scene, &after)?])
 }
 
 /// Divergence, as the rms over the air of Σ_j V (v_j − v_i)·∇_i W, Spiky \[1/s\].
-fn divergence(scene: &Scene, state: &InitialState) -> f64 {
-    let p = Parameters::new(scene, state);
+fn divergence(scene: &Scene, state: &InitialState) -> Result<f64> {
+    let p = Parameters::new(&scene.check()?, state);
     let (x, v) = (&state.air.positions, &state.air.velocities);
     let near = neighbours::list(&p, x);
     let pair = |i: usize, j: usize| {
         (v[j] - v[i]).dot(VOLUME * spiky_gradient(i, j, p.separation(i, j, x[i], x[j]), p.kernel_radius))
     };
-    rms((0..x.len()).map(|i| near.of(i).map(|j| pair(i, j)).sum::<f64>()))
+    Ok(rms((0..x.len()).map(|i| near.of(i).map(|j| pair(i, j)).sum::<f64>())))
 }

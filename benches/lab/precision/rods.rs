@@ -87,7 +87,7 @@ impl Setting {
     fn apply(self, mut scene: Scene) -> Scene {
         scene.time.substeps = self.substeps;
         let rods = &mut scene.rods;
-        (rods.solver, rods.integrator) = (self.row.solver, self.row.integrator);
+        (rods.solver, rods.integrator) = (Some(self.row.solver), Some(self.row.integrator));
         match self.row.solver {
             Solver::GaussSeidel => rods.iterations = self.iterations,
             Solver::Direct => rods.newton = self.iterations,
@@ -136,7 +136,7 @@ pub(super) fn measure(lab: &Lab) -> Result<Measured> {
         // Along a line Gauss-Seidel varies its sweeps, and the direct solver its substeps.
         let (along, setting_name) = if row.solver == Solver::GaussSeidel { (parts, work) } else { (work, parts) };
         let series = format!("{}, {along}", row.name);
-        let role = role(setting.apply(default.clone()) == default, true);
+        let role = role(*setting.apply(default.clone()).check()? == *default.check()?, true);
         let mut add = |kind: String, ms: f64, error: f64, uncertainty: f64| {
             measured.add(&series, &setting_name, ms, role, [(&kind, error, uncertainty)]);
         };
@@ -209,7 +209,7 @@ fn reference_fall(rods: &[Hanging], steps: usize, substeps: u32) -> Result<Vec<V
     let (mut scene, initial) = build(rods, 1, 0.0)?;
     scene.time.substeps = substeps;
     scene.rods.sleep = false;
-    let p = Parameters::new(&scene, &initial);
+    let p = Parameters::new(&scene.check()?, &initial);
     let mut state = State::new(&initial, p.step);
     let mut all = Vec::new();
     for _ in 0..steps {

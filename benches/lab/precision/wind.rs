@@ -4,7 +4,7 @@
 use glam::DVec3;
 use windswept::Simulation;
 use windswept_reference::elastica::REAL;
-use windswept_scene::{InitialState, Integrator, Model, Scene};
+use windswept_scene::{Bounds, Fluid, Hair, InitialState, Integrator, Model, Rods, Roots, Scene, Time};
 
 use crate::{Lab, Result, timing};
 
@@ -44,20 +44,14 @@ impl Setting {
     }
 
     fn built(self) -> Result<(Scene, InitialState)> {
-        let model = if self.air.is_some() { Model::TwoWay } else { Model::Drag };
-        let fluid = self.air.map_or_else(String::new, Air::keys);
-        let text = format!(
-            "interaction.model = \"{}\"\n{fluid}\ntime = {{ step = {}, duration = 10.0 }}\nrods.sleep = false\n\
-             [air]\nbox = {{ min = [-0.05, -0.06, -0.0145], max = [0.075, 0.018, 0.0145] }}\n\
-             wind = [{}, 0, 0]\nramp = 0.0\n\
-             [hair]\nstrands = 1\npoints = 35\nlength = {}\nroots = {{ center = [0, 0, 0], radius = 1e-9 }}\n",
-            model.word(),
-            self.step,
-            REAL.wind,
-            REAL.length,
-        );
-        let mut scene = Scene::parse(&text)?;
-        scene.rods.integrator = self.integrator;
+        let mut scene = Scene::new(Time::new(self.step, 10.0));
+        scene.interaction.model = Some(if self.air.is_some() { Model::TwoWay } else { Model::Drag });
+        scene.fluid = self.air.map_or_else(Fluid::default, Air::fluid);
+        scene.rods = Rods { integrator: Some(self.integrator), sleep: false, ..Rods::default() };
+        let bounds = Some(Bounds { min: [-0.05, -0.06, -0.0145], max: [0.075, 0.018, 0.0145] });
+        let air = windswept_scene::Air::default().wind([REAL.wind, 0.0, 0.0]);
+        scene.air = Some(windswept_scene::Air { bounds, ramp: 0.0, ..air });
+        scene.hair = vec![Hair::drawn_on(1, 35, REAL.length, Roots::disc([0.0; 3], 1e-9))];
         let mut initial = InitialState::new(&scene)?;
         initial.air.velocities.fill(DVec3::X * REAL.wind);
         Ok((scene, initial))
@@ -108,12 +102,12 @@ pub(super) fn measure(lab: &Lab) -> Result<Measured> {
     }
     let scenes = settings.iter().map(|setting| setting.built()).collect::<Result<Vec<_>>>()?;
     let times = timing::of_passes(&lab.gpu, &scenes, &[""], lab.rounds(3))?;
-    let usual = Scene::parse("interaction.model = \"none\"\ntime = { step = 1e-3, duration = 1.0 }")?;
+    let usual = Scene::parse("interaction.model = \"none\"\ntime = { step = 1e-3, duration = 1.0 }")?.check()?;
     let mut measured = Measured::default();
     for (&setting, ms) in settings.iter().zip(times) {
         let (early, simulation) = soon(lab, setting)?;
         let late = rest(lab, setting, simulation)?;
-        let is_default = setting.air == Some(Air::divergence(usual.pressure_iterations()))
+        let is_default = setting.air == Some(Air::divergence(usual.fluid.pressure_iterations))
             && setting.integrator == usual.rods.integrator
             && setting.step == USUAL;
         let early = ((early - truth).length(), (half - truth).length());

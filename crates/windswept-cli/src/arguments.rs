@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 #[cfg(feature = "validate")]
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand};
-use windswept_scene::Scene;
+use windswept_scene::{CheckedScene, Scene};
 #[cfg(feature = "validate")]
 use windswept_validate::{CHECKS, LONG_CHECKS};
 
@@ -135,8 +135,8 @@ pub(crate) struct Changes {
 
 impl Changes {
     /// The scene of a file with them, checked.
-    pub(crate) fn load(&self, path: &Path) -> Result<Scene, Failure> {
-        let scene = Scene::load_with(path, &self.sets)?;
+    pub(crate) fn load(&self, path: &Path) -> Result<CheckedScene, Failure> {
+        let scene = Scene::load_with(path, &self.sets)?.check()?;
         if scene.hair.is_empty() {
             // Code may give a groom instead; the command has none.
             return Err(Failure::Input(format!("{}: hair: is missing, expected a table [hair]", path.display())));
@@ -147,7 +147,7 @@ impl Changes {
 
 impl SceneOptions {
     /// The scene with its `--set`s, checked.
-    pub(crate) fn load(&self) -> Result<Scene, Failure> {
+    pub(crate) fn load(&self) -> Result<CheckedScene, Failure> {
         self.changes.load(&self.path)
     }
 }

@@ -29,7 +29,10 @@ pub(crate) fn export(options: &ExportOptions, console: &mut Console<'_>) -> Resu
     let followers = match options.followers {
         false => None,
         // They come from groom files, and stay out of meshes.
-        true => Some(Followers::new(&Scene::load(output.scene())?, &first).map_err(|e| Failure::Input(e.to_string()))?),
+        true => Some(
+            Followers::new(&Scene::load(output.scene())?.check()?, &first)
+                .map_err(|e| Failure::Input(e.to_string()))?,
+        ),
     };
     let frame = |k| match &followers {
         Some(followers) => followers.frame(&hair.frame(k)?),

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use windswept::{AdapterChoice, Gpu};
 use windswept_export::{Followers, Schedule};
-use windswept_scene::{Force, InitialState, Scene};
+use windswept_scene::{CheckedForce, CheckedScene, InitialState, Scene};
 
 use crate::arguments::{Changes, SceneOptions};
 use crate::console::{Console, counted_frames};
@@ -18,7 +18,7 @@ pub(crate) fn check(
     explain: bool,
     console: &mut Console<'_>,
 ) -> Result<(), Failure> {
-    let read = |path| -> Result<(Scene, InitialState), Failure> {
+    let read = |path| -> Result<(CheckedScene, InitialState), Failure> {
         let scene = changes.load(path)?;
         let initial = InitialState::new(&scene)?;
         Ok((scene, initial))
@@ -40,7 +40,7 @@ pub(crate) fn check(
     Ok(())
 }
 
-fn summary(scene: &Scene, initial: &InitialState) -> Result<Vec<(&'static str, String)>, Failure> {
+fn summary(scene: &CheckedScene, initial: &InitialState) -> Result<Vec<(&'static str, String)>, Failure> {
     let schedule = Schedule::new(&scene.time, None);
     let (hair, air) = (&initial.hair, &initial.air);
     let mut rows = vec![("scene", scene.title.clone()), ("method", method(scene))];
@@ -108,7 +108,8 @@ fn summary(scene: &Scene, initial: &InitialState) -> Result<Vec<(&'static str, S
         rows.push(("turbulence", turbulence));
     }
     if !scene.forces.is_empty() {
-        let field = |force: &Force| format!("{} ({}, {} m/s at most)", force.name, force.field.word(), force.fastest());
+        let field =
+            |force: &CheckedForce| format!("{} ({}, {} m/s at most)", force.name, force.field.word(), force.fastest());
         rows.push(("forces", scene.forces.iter().map(field).collect::<Vec<_>>().join(", ")));
     }
     let bytes = windswept::memory_bytes(scene, initial)?;
@@ -123,7 +124,7 @@ fn summary(scene: &Scene, initial: &InitialState) -> Result<Vec<(&'static str, S
 }
 
 /// Eddies of the air by size; `None` for air without any of its own.
-fn turbulence(scene: &Scene) -> Option<String> {
+fn turbulence(scene: &CheckedScene) -> Option<String> {
     let air = scene.air.as_ref().filter(|_| scene.interaction.model.has_air())?;
     let eddies = |scale: f64, intensity: f64| format!("{} mm of intensity {intensity}", 1e3 * scale);
     let strengthened = scene.turbulence.bands.iter().filter(|band| band.strength > 0.0);
@@ -137,7 +138,7 @@ fn turbulence(scene: &Scene) -> Option<String> {
 }
 
 /// The method, and what is taken of it or instead of it.
-fn method(scene: &Scene) -> String {
+fn method(scene: &CheckedScene) -> String {
     let model = scene.interaction.model;
     let air = if model.has_air() { format!(", air by {}", scene.fluid.solver.word()) } else { String::new() };
     let (solver, integrator) = (scene.rods.solver.word(), scene.rods.integrator.word());

@@ -8,7 +8,7 @@ use windswept::Simulation;
 use windswept_export::{
     CHECKPOINT, Folder, Kind, LOCK, Lock, Pictures, REPORT, SCENE, files_of_run, files_with_made, real_path,
 };
-use windswept_scene::{AtomicFile, Scene};
+use windswept_scene::{AtomicFile, CheckedScene};
 
 use crate::arguments::RunOptions;
 use crate::failure::Failure;
@@ -79,7 +79,7 @@ impl Output {
     }
 
     /// Makes the folder, locks it, clears away an earlier run's files, and writes the scene as it runs.
-    pub(crate) fn create(&self, scene: &Scene) -> Result<Lock, Failure> {
+    pub(crate) fn create(&self, scene: &CheckedScene) -> Result<Lock, Failure> {
         fs::create_dir_all(&self.dir).map_err(|e| no_folder(&self.dir, &e))?;
         let lock = self.folder().lock()?;
         // Another run may have come and gone since it was checked.
@@ -104,7 +104,7 @@ impl Output {
 
     /// Makes the folder that of a run which goes on: without the report of what was until now, and with the scene as it
     /// runs. Returns what was wrong with the scene's file, if anything was.
-    pub(crate) fn reopen(&self, scene: &Scene) -> Result<Option<String>, Failure> {
+    pub(crate) fn reopen(&self, scene: &CheckedScene) -> Result<Option<String>, Failure> {
         remove(&self.dir.join(REPORT))?;
         let (path, scene) = (self.scene(), scene.text_in(&self.dir));
         // A link is another file than the run's, and what is no file may never end.

@@ -6,7 +6,7 @@ use windswept::{AdapterChoice, Frame, Gpu};
 use windswept_export::{
     Folder, FrameSink, Kind, Pictures, Renderer, VtkHdfReader, check_sheet, contact_sheet, write_png,
 };
-use windswept_scene::{AirPicture, Scene};
+use windswept_scene::{AirPicture, CheckedScene, Scene};
 
 use crate::arguments::{Range, RenderOptions};
 use crate::console::Console;
@@ -101,7 +101,7 @@ fn gpu(options: &RenderOptions, console: &mut Console<'_>) -> Result<Gpu, Failur
 /// A run that is over, by what it left in its folder.
 struct FinishedRun {
     dir: PathBuf,
-    scene: Scene,
+    scene: CheckedScene,
     hair: VtkHdfReader,
     /// The film of air, if it is drawn.
     air: Option<VtkHdfReader>,
@@ -121,7 +121,7 @@ impl FinishedRun {
         let output = Output::of_run(dir);
         let scene = there(output.scene(), OF_SCENE)?;
         let hair = there(output.film(Kind::Hair), OF_HAIR)?;
-        let scene = Scene::load_with(scene, &options.sets)?;
+        let scene = Scene::load_with(scene, &options.sets)?.check()?;
         let air = match scene.picture.air {
             AirPicture::None => None,
             _ => Some(open(

@@ -6,10 +6,10 @@ use std::path::{Path, PathBuf};
 
 use plotters::prelude::*;
 use serde_json::json;
-use windswept::ops::{Filter, OpsError, Particles};
+use windswept::ops::{OpsError, Particles};
 use windswept::{AdapterChoice, Frame, Gpu};
 use windswept_export::{Kind, VtkHdfReader};
-use windswept_scene::{Air, AtomicFile, InitialState, Scene};
+use windswept_scene::{AtomicFile, CheckedAir, CheckedScene, Filter, InitialState, Scene};
 
 use crate::arguments::SpectrumOptions;
 use crate::console::Console;
@@ -41,7 +41,7 @@ pub(crate) fn spectrum(options: &SpectrumOptions, console: &mut Console<'_>) -> 
     // direct sum would take minutes.
     let bands = &run.scene.turbulence.bands;
     let filter = |scale: f64| match options.scales.is_some() || bands.iter().any(|band| band.scale == scale) {
-        true => Filter::of(&run.scene.turbulence),
+        true => run.scene.turbulence.filter,
         false => Filter::default(),
     };
     let [before, after] = [&first, &last].map(|frame| run.energies(&gpu, frame, &scales, filter));
@@ -82,8 +82,8 @@ fn time(frame: &Frame) -> String {
 
 /// The air of a run that is over, or was stopped.
 struct FinishedRun {
-    scene: Scene,
-    settings: Air,
+    scene: CheckedScene,
+    settings: CheckedAir,
     initial: InitialState,
     air: VtkHdfReader,
 }
@@ -100,7 +100,7 @@ impl FinishedRun {
                 )));
             }
         }
-        let scene = Scene::load(&scene)?;
+        let scene = Scene::load(&scene)?.check()?;
         let initial = InitialState::new(&scene)?;
         let air = open(&air, Kind::Air)?;
         let no_air = || Failure::Input(format!("{}: the run has no air particles", dir.display()));

@@ -28,7 +28,7 @@ mod tests;
 
 use glam::{Quat, Vec3};
 use windswept::{Frame, HairFrame};
-use windswept_scene::{Body, Curves, Hair, Scene, Strands, limits::MAX_HAIRS};
+use windswept_scene::{CheckedBody, CheckedScene, Curves, Hair, Strands, limits::MAX_HAIRS};
 
 use crate::error::ExportError;
 use crate::strands::check_strands;
@@ -51,7 +51,7 @@ pub struct Followers {
     /// Index of the `[[hair]]` of each strand.
     hair: Vec<Option<usize>>,
     /// Bodies that followers stay out of.
-    bodies: Vec<Body>,
+    bodies: Vec<CheckedBody>,
 }
 
 /// A strand at the start.
@@ -88,7 +88,7 @@ impl Followers {
     /// # Errors
     /// [`ExportError::Picture`] if there is no strand, a groom file cannot be read any more, or the hairs are more than
     /// [`MAX_HAIRS`].
-    pub fn new(scene: &Scene, start: &HairFrame) -> Result<Self, ExportError> {
+    pub fn new(scene: &CheckedScene, start: &HairFrame) -> Result<Self, ExportError> {
         Self::with_groom(scene, start, None)
     }
 
@@ -99,7 +99,7 @@ impl Followers {
     /// As [`Self::new`].
     ///
     /// [`InitialState::followers`]: windswept_scene::InitialState::followers
-    pub fn with_groom(scene: &Scene, start: &HairFrame, groom: Option<&Curves>) -> Result<Self, ExportError> {
+    pub fn with_groom(scene: &CheckedScene, start: &HairFrame, groom: Option<&Curves>) -> Result<Self, ExportError> {
         let fibres = |s: usize| start.fibres.get(s).map_or(1, |fibres| hairs_of((*fibres).into()));
         Self::make(scene, start, groom, fibres, |_, there| there)
     }
@@ -108,7 +108,7 @@ impl Followers {
     ///
     /// # Errors
     /// [`ExportError::Picture`] if a groom file cannot be read any more.
-    pub fn number(scene: &Scene, strands: &Strands) -> Result<usize, ExportError> {
+    pub fn number(scene: &CheckedScene, strands: &Strands) -> Result<usize, ExportError> {
         let mut first = 0;
         let hairs = parts(scene, strands.len(), None)?.into_iter().map(|part| {
             let range = first..first + part.strands;
@@ -121,7 +121,7 @@ impl Followers {
 
     /// About this many hairs in all, at least one a strand: fewer or more than the strands stand for.
     pub(crate) fn about(
-        scene: &Scene,
+        scene: &CheckedScene,
         start: &HairFrame,
         groom: Option<&Curves>,
         hairs: u32,
@@ -134,7 +134,7 @@ impl Followers {
     /// The hairs, with as many to each strand as `each` says, and as many of a groom file's as `of_file` says by the
     /// number of the group's strands and the number of the file's.
     fn make(
-        scene: &Scene,
+        scene: &CheckedScene,
         start: &HairFrame,
         groom: Option<&Curves>,
         each: impl Fn(usize) -> usize,
@@ -211,7 +211,7 @@ impl Followers {
     fn between(
         &mut self,
         group: &Group<'_>,
-        ground: Ground<'_>,
+        ground: Ground,
         each: &impl Fn(usize) -> usize,
     ) -> Result<(), ExportError> {
         let strands = group.strands;
@@ -405,7 +405,7 @@ struct Part {
 
 /// The scene's groups, in the order of their strands; one that is none of the scene's where the strands are the
 /// caller's own, with all curves of `groom`.
-fn parts(scene: &Scene, strands: usize, groom: Option<&Curves>) -> Result<Vec<Part>, ExportError> {
+fn parts(scene: &CheckedScene, strands: usize, groom: Option<&Curves>) -> Result<Vec<Part>, ExportError> {
     let own = || vec![Part { hair: None, strands, file: groom.cloned() }];
     if groom.is_some() {
         return Ok(own());

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use windswept::{Frame, Gpu};
-use windswept_scene::{Curves, Scene, remove};
+use windswept_scene::{CheckedScene, Curves, remove};
 
 use crate::error::ExportError;
 use crate::folder::Folder;
@@ -34,7 +34,7 @@ impl Pictures {
     pub fn new(
         folder: &Path,
         gpu: &Gpu,
-        scene: &Scene,
+        scene: &CheckedScene,
         first: &Frame,
         groom: Option<&Curves>,
     ) -> Result<Self, ExportError> {

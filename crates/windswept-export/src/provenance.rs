@@ -1,6 +1,6 @@
 //! Where a file comes from.
 
-use windswept_scene::Scene;
+use windswept_scene::CheckedScene;
 
 /// The origin of a film; it stands in each of its files.
 #[derive(Debug, Clone, Copy)]
@@ -18,7 +18,7 @@ pub struct Provenance<'a> {
 impl<'a> Provenance<'a> {
     /// A file of this scene as it runs on this adapter, written by this version.
     #[must_use]
-    pub fn of(scene: &'a Scene, adapter: &'a str) -> Self {
+    pub fn of(scene: &'a CheckedScene, adapter: &'a str) -> Self {
         Self { scene: scene.text(), version: env!("CARGO_PKG_VERSION"), adapter, seed: scene.seed }
     }
 }

@@ -21,7 +21,7 @@ use glam::{DVec3, Vec3};
 use image::RgbaImage;
 use windswept::gpu::wgpu;
 use windswept::{Frame, Gpu, HairFrame};
-use windswept_scene::{AirPicture, Curves, Scene};
+use windswept_scene::{AirPicture, CheckedScene, Curves};
 use windswept_shaders::pictures::common::FINE;
 
 use crate::error::ExportError;
@@ -51,7 +51,7 @@ pub struct Renderer {
     offsets: Vec<u32>,
     /// Points of a drawn hair.
     samples: u32,
-    scene: Scene,
+    scene: CheckedScene,
     /// The scalar that air is brightest at.
     brightest: f32,
     passes: Passes,
@@ -65,7 +65,7 @@ impl Renderer {
     /// # Errors
     /// [`ExportError::Picture`] if there is no strand, the camera stands where it looks or asks for a picture larger
     /// than the adapter draws, or so many hairs do not fit it; [`ExportError::Gpu`] if the driver refuses.
-    pub fn new(gpu: &Gpu, scene: &Scene, start: &HairFrame) -> Result<Self, ExportError> {
+    pub fn new(gpu: &Gpu, scene: &CheckedScene, start: &HairFrame) -> Result<Self, ExportError> {
         Self::with_groom(gpu, scene, start, None)
     }
 
@@ -77,7 +77,7 @@ impl Renderer {
     /// [`InitialState::followers`]: windswept_scene::InitialState::followers
     pub fn with_groom(
         gpu: &Gpu,
-        scene: &Scene,
+        scene: &CheckedScene,
         start: &HairFrame,
         groom: Option<&Curves>,
     ) -> Result<Self, ExportError> {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use windswept::{Frame, Gpu};
-use windswept_scene::{Curves, Scene};
+use windswept_scene::{CheckedScene, Curves};
 
 use crate::error::ExportError;
 
@@ -54,7 +54,7 @@ pub struct Start<'a> {
     /// The GPU that pictures are drawn on.
     pub gpu: &'a Gpu,
     /// The scene as it runs.
-    pub scene: &'a Scene,
+    pub scene: &'a CheckedScene,
     /// All curves of a caller's own groom, where some of them follow the strands:
     /// [`windswept_scene::InitialState::followers`].
     pub groom: Option<&'a Curves>,

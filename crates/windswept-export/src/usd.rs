@@ -221,7 +221,7 @@ fn check(hair: &HairFrame) -> Result<(), String> {
 /// The film of a run, which is begun with its first frame, or goes on.
 pub(crate) struct UsdFilm {
     folder: PathBuf,
-    scene: windswept_scene::Scene,
+    scene: windswept_scene::CheckedScene,
     adapter: String,
     film: Option<UsdWriter>,
 }

@@ -149,7 +149,7 @@ fn the_automatic_camera_frames_the_hair() {
         &["air.wind=[0, 0, -3]"],
     ] {
         let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
-        let scene = Scene::parse_with("quick.toml", text, &sets).unwrap();
+        let scene = Scene::parse_with("quick.toml", text, &sets).unwrap().check().unwrap();
         let initial = InitialState::new(&scene).unwrap().hair;
         let view = View::new(&scene, &Followers::new(&scene, &at_rest(&initial)).unwrap()).unwrap();
         let inside =
@@ -173,7 +173,7 @@ fn the_automatic_camera_frames_a_groom() {
     let roots: Vec<Vec3> =
         (0..40).map(|i| 0.02 * Vec3::new((2.4 * i as f32).cos(), 0.0, (2.4 * i as f32).sin())).collect();
     let text = "time = { step = 1e-3, duration = 1.0 }\ninteraction.model = \"drag\"\nair = { wind = [8, 0, 0], ramp = 0.3 }\n";
-    let scene = Scene::parse_with("scene", text, &[]).unwrap();
+    let scene = Scene::parse_with("scene", text, &[]).unwrap().check().unwrap();
     for along in [Vec3::Y, Vec3::NEG_Y] {
         let start = strands(&roots, 0.1 * along);
         let view = View::new(&scene, &Followers::new(&scene, &start).unwrap()).unwrap();
@@ -219,8 +219,8 @@ fn a_near_or_far_target_shows_the_same() {
 #[test]
 fn air_shows_where_it_is_strong() {
     let hair = strands(&three(), Vec3::X * 0.04);
-    let mut coloured = scene(&["picture.hairs=3", "air.wind=[3, 0, 0]", "camera.width=864", "camera.height=540"]);
-    coloured.picture.air = AirPicture::Vorticity;
+    let coloured = scene(&["picture.hairs=3", "air.wind=[3, 0, 0]", "camera.width=864", "camera.height=540"])
+        .assuming(|_, values| values.picture.air = AirPicture::Vorticity);
     let renderer = Renderer::new(&gpu(), &coloured, &hair).unwrap();
     let places = [[-0.01, 0.017, 0.0], [0.01, 0.017, 0.0]];
     // Brightest at 3 m/s over two kernel radii of 9.3 mm: 161 1/s.
@@ -245,12 +245,12 @@ fn invalid_frames_are_refused() {
     let gpu = gpu();
     let hair = strands(&three(), Vec3::X * 0.04);
     let refused = |made: Result<Renderer, ExportError>| made.err().map(|e| e.to_string()).unwrap_or_default();
-    let mut wide = scene(&[]);
-    wide.camera.width = 100_000; // a scene made in code: a file's are counted when it is read
+    // More than a scene may ask for; adapters draw even less.
+    let wide = scene(&[]).assuming(|_, values| values.camera.width = 100_000);
     let said = refused(Renderer::new(&gpu, &wide, &hair));
     assert!(said.contains("the adapter draws at most"), "{said}");
-    let mut nowhere = scene(&[]);
-    nowhere.camera.look_at = Some(LookAt { eye: [0.1; 3], target: [0.1; 3] });
+    let look_at = Some(LookAt { eye: [0.1; 3], target: [0.1; 3] });
+    let nowhere = scene(&[]).assuming(|_, values| values.camera.look_at = look_at);
     let said = refused(Renderer::new(&gpu, &nowhere, &hair));
     assert!(said.contains("the same point"), "{said}");
     let empty = strands(&[], Vec3::X);
@@ -264,8 +264,7 @@ fn invalid_frames_are_refused() {
     broken.hair.positions.pop();
     assert!(said(&broken).contains("do not make 3 strands"), "{}", said(&broken));
     assert!(said(&frame(strands(&three()[..2], Vec3::X))).contains("other strands"));
-    let mut coloured = scene(&["picture.hairs=3"]);
-    coloured.picture.air = AirPicture::BandEnergy;
+    let coloured = scene(&["picture.hairs=3"]).assuming(|_, values| values.picture.air = AirPicture::BandEnergy);
     let air = Renderer::new(&gpu, &coloured, &hair).unwrap();
     let said = air.render(&frame(hair)).err().map(|e| e.to_string()).unwrap_or_default();
     assert!(said.contains("the frame's air has no band_energy"), "{said}");

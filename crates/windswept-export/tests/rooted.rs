@@ -10,7 +10,7 @@ use glam::Vec3;
 use image::RgbaImage;
 use windswept::HairFrame;
 use windswept_export::{Followers, Renderer, image};
-use windswept_scene::{HairSource, InitialState, Roots, Scalp, Shape, Solid};
+use windswept_scene::{CheckedShape, HairSource, InitialState, Roots, Solid};
 
 use groom::{at_rest, difference, draw, gpu, nowhere, scene, strands};
 
@@ -76,11 +76,13 @@ fn hair_on_a_mesh_grows_from_it() {
         "hair={ strands=30, points=5, length=0.002, fibres_per_strand=40, roots={ center=[0, 0, 0], radius=0.01 } }";
     let motion = "[{ time=0, translation=[0.012, 0, 0], rotation=[0, 0, 1] }]";
     let ball = format!("body=[{{ name=\"ball\", center=[0, 0, 0], radius=0.01, motion={motion} }}]");
-    let mut meshed = scene(&["picture.hairs=30", asked, &ball, &format!("hair.motion={motion}")]);
-    let ball = Shape::Sphere { center: [0.0; 3], radius: 0.01 };
-    meshed.bodies[0].shape = Shape::Mesh(Solid::enclosed(ball.surface(64, 128), Some(5e-4)).unwrap());
+    let asked = ["picture.hairs=30", asked, &ball, &format!("hair.motion={motion}")];
+    let mut meshed = scene(&asked).scene().clone();
+    let ball = CheckedShape::sphere([0.0; 3], 0.01);
+    meshed.bodies[0].shape = Solid::enclosed(ball.surface(64, 128), Some(5e-4)).unwrap().into();
     let HairSource::Drawn(drawn) = &mut meshed.hair[0].source else { panic!("strands of a file") };
-    drawn.roots = Roots::Mesh(Scalp { body: "ball".to_owned(), group: None });
+    drawn.roots = Roots::on("ball");
+    let meshed = meshed.check().unwrap();
     let start = InitialState::new(&meshed).unwrap().hair;
     let hair = HairFrame { fibres: vec![40.0; 30], ..at_rest(&start) };
     let all = Followers::new(&meshed, &hair).unwrap().of(&hair, 0.0).unwrap();

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::{prelude::*, types::PyBytes};
-use windswept_scene::{End, Fibre, GroomFile, PerStrand, RestCurvature, RestShape, Stiffness, keys::Key};
+use windswept_scene::{End, Fibre, GroomFile, Moduli, PerStrand, RestCurvature, RestShape, Stiffness, keys::Key};
 
 use crate::{
     arrays::{Numbers, chunks, shown, strand_ids, values, whole},
@@ -95,12 +95,12 @@ impl Groom {
             ("radius", radius, (|fibre, x| fibre.radius = x) as fn(&mut Fibre, f64)),
             ("density", density, |fibre, x| fibre.density = x),
             ("youngs_modulus", youngs_modulus, |fibre, x| {
-                if let Stiffness::Moduli { youngs_modulus, .. } = &mut fibre.stiffness {
+                if let Stiffness::Moduli(Moduli { youngs_modulus, .. }) = &mut fibre.stiffness {
                     *youngs_modulus = x;
                 }
             }),
             ("poissons_ratio", poissons_ratio, |fibre, x| {
-                if let Stiffness::Moduli { poissons_ratio, .. } = &mut fibre.stiffness {
+                if let Stiffness::Moduli(Moduli { poissons_ratio, .. }) = &mut fibre.stiffness {
                     *poissons_ratio = x;
                 }
             }),

@@ -4,10 +4,10 @@ use numpy::{PyArray1, PyArray2};
 use pyo3::prelude::*;
 use windswept::{
     Gpu,
-    ops::{Filter, OpsError, Particles},
+    ops::{OpsError, Particles},
 };
 use windswept_scene::{
-    Air, Fluid, Turbulence,
+    Air, DirectFilter, Filter,
     limits::{MAGNITUDES, MAX_REPEATS},
 };
 
@@ -112,7 +112,10 @@ fn ops_band_velocity<'py>(
     positive("mass", mass)?;
     positive("rest_density", rest_density)?;
     let filter = match filter {
-        "direct" => Filter::Direct { cutoff: cutoff.unwrap_or(Turbulence::CUTOFF) },
+        "direct" => {
+            let usual = DirectFilter::default();
+            Filter::Direct(DirectFilter { cutoff: cutoff.unwrap_or(usual.cutoff) })
+        }
         "grid" => Filter::default(),
         other => return Err(of_value("filter", format!("expected \"grid\" or \"direct\", found {other:?}"))),
     };
@@ -162,9 +165,10 @@ fn ops_solve_density<'py>(
     let (positions, bounds) = (rows("positions", positions)?, sides(r#box)?);
     let words =
         || of_value("iterations", format!("expected a whole number from 0 to {MAX_REPEATS}, found {iterations}"));
-    let fluid = Fluid::pbf(u32::try_from(iterations).map_err(|_| words())?, relaxation);
+    let iterations = u32::try_from(iterations).map_err(|_| words())?;
     let moved = run(py, |gpu| {
-        Particles { mass, rest_density, radius, bounds, ..Particles::at(&positions) }.solve_density(gpu, fluid)
+        Particles { mass, rest_density, radius, bounds, ..Particles::at(&positions) }
+            .solve_density(gpu, iterations, relaxation)
     })?;
     matrix(py, moved)
 }

@@ -17,12 +17,16 @@ use crate::{errors::scene_error, toml, without_gil};
 #[pyclass(frozen, eq, module = "windswept")]
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Scene {
-    pub(crate) inner: windswept_scene::Scene,
+    pub(crate) inner: windswept_scene::CheckedScene,
 }
 
 impl Scene {
-    fn of(py: Python<'_>, made: Result<windswept_scene::Scene, windswept_scene::SceneError>) -> PyResult<Self> {
-        made.map(|inner| Self { inner }).map_err(|error| scene_error(py, &error))
+    pub(crate) fn of(
+        py: Python<'_>,
+        made: Result<windswept_scene::Scene, windswept_scene::SceneError>,
+    ) -> PyResult<Self> {
+        let checked = made.and_then(|scene| scene.check());
+        checked.map(|inner| Self { inner }).map_err(|error| scene_error(py, &error))
     }
 }
 
@@ -65,9 +69,9 @@ impl Scene {
         Self::of(py, made)
     }
 
-    /// The scene as TOML with every key spelled; `Scene.parse` of it is an equal scene.
+    /// The scene as TOML; `Scene.parse` of it is an equal scene. Keys that follow from others are left out.
     fn to_toml(&self) -> String {
-        self.inner.to_toml()
+        self.inner.scene().to_toml()
     }
 
     /// The text it was read from, with what `replace` changed.

@@ -190,9 +190,8 @@ impl Simulation {
     /// The scene as it runs: without its [hair] where a groom replaced it, with the wind that `set_wind` set.
     #[getter]
     fn scene(&self, py: Python<'_>) -> PyResult<Scene> {
-        let mut inner = self.engine(py, |sim| sim.scene().clone())?;
-        inner.text.text = inner.text_now();
-        Ok(Scene { inner })
+        let text = self.engine(py, |sim| sim.scene().text().to_owned())?;
+        Scene::of(py, windswept_scene::Scene::parse(&text))
     }
 
     /// The adapter that runs it: name, backend, driver, kind.

@@ -5,7 +5,7 @@
 mod hair;
 
 use glam::{DQuat, DVec3};
-use windswept_scene::{InitialState, Motion, Scene, Shape};
+use windswept_scene::{CheckedScene, CheckedShape, InitialState, Motion};
 
 pub use self::hair::{Contact, Memory, Place, Surface, contacts, memories};
 pub(crate) use self::hair::{MIDDLE, Met, RECOVERY, UNEASY, meet, nearest, parted, renewed, resists, stiffness};
@@ -39,8 +39,8 @@ pub fn run(w: &mut Scratch, p: &Parameters) {
 /// A body where the scene has it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Body {
-    /// Shape in local coordinates \[m\].
-    pub shape: Shape,
+    /// CheckedShape in local coordinates \[m\].
+    pub shape: CheckedShape,
     /// Coefficient of friction μ of hair on the body.
     pub friction: f64,
     /// Motion about the shape's centre.
@@ -120,8 +120,8 @@ impl Placed {
 
 /// Bodies of a scene, in local coordinates.
 #[must_use]
-pub fn bodies(scene: &Scene, initial: &InitialState) -> Vec<Body> {
-    let local = |shape: &Shape| shape.moved(|x| x - initial.origin);
+pub fn bodies(scene: &CheckedScene, initial: &InitialState) -> Vec<Body> {
+    let local = |shape: &CheckedShape| shape.moved(|x| x - initial.origin);
     let each = scene.bodies.iter().map(|body| Body {
         shape: local(&body.shape),
         friction: body.friction,

@@ -2,8 +2,8 @@
 
 use glam::{DVec3, IVec3};
 use windswept_scene::{
-    Band, FluidSolver, InflowWave, InitialState, Integrator, Law, Model, Motion, Scene, Solver, Turbulence,
-    ViscosityForm, derived::Rest,
+    Band, CheckedScene, CheckedTurbulence, FluidSolver, InflowWave, InitialState, Integrator, Law, Model, Motion,
+    Solver, ViscosityForm, derived::Rest,
 };
 
 use crate::{
@@ -85,7 +85,7 @@ pub struct Parameters {
     /// Distance at which the sum of a band ends, in units of its scale s.
     pub cutoff: f64,
     /// Keys of the scene's `[turbulence]`: filter, order, spacing, whether momentum is conserved.
-    pub turbulence: Turbulence,
+    pub turbulence: CheckedTurbulence,
     /// Coefficient c of hair's viscosity, per step.
     pub viscosity_hair: f64,
     /// Coefficient c of air's viscosity, per step.
@@ -127,7 +127,7 @@ pub struct Parameters {
 impl Parameters {
     /// Parameters of a scene and its initial state.
     #[must_use]
-    pub fn new(scene: &Scene, initial: &InitialState) -> Self {
+    pub fn new(scene: &CheckedScene, initial: &InitialState) -> Self {
         let substeps = f64::from(scene.time.substeps);
         let air = scene.air.as_ref();
         let kernel_radius = air.map_or(1.0, |air| air.kernel_radius);
@@ -145,7 +145,7 @@ impl Parameters {
                 air.gust.iter().map(|gust| (gust.time, DVec3::from_array(gust.velocity))).collect()
             }),
             fields: forcing::fields(scene, initial),
-            inflow: air.and_then(|air| air.inflow).map_or_else(Vec::new, |inflow| inflow.waves(initial.air.size)),
+            inflow: air.map_or_else(Vec::new, |air| air.inflow_waves(initial.air.size)),
             fringe: air.map_or(0.0, |air| air.fringe),
             box_size: initial.air.size,
             kernel_radius,
@@ -159,7 +159,7 @@ impl Parameters {
             lift: scene.interaction.lift,
             friction: (0..initial.hair.len()).map(|s| initial.hair.friction(s)).collect(),
             solver: scene.fluid.solver,
-            pressure_iterations: scene.pressure_iterations(),
+            pressure_iterations: scene.fluid.pressure_iterations,
             coarse: scene.has_coarse_grid(),
             coarse_nodes: coarse_nodes(initial),
             fluid_iterations: scene.fluid.iterations,
@@ -172,7 +172,7 @@ impl Parameters {
             bands: scene.turbulence.bands.iter().copied().filter(at_work).collect(),
             turbulence_speed: scene.turbulence.speed,
             law: scene.turbulence.law,
-            cutoff: scene.turbulence.cutoff,
+            cutoff: scene.turbulence.cutoff(),
             turbulence: scene.turbulence.clone(),
             viscosity_hair: scene.viscosity.hair / substeps,
             viscosity_air: scene.viscosity.air / substeps,

@@ -44,7 +44,7 @@ pub fn run(s: &mut State, w: &mut Scratch, p: &Parameters, see: &mut Observer<'_
     for (index, band) in p.bands.iter().enumerate() {
         w.band = index;
         (w.band_velocity, w.grids) = band_velocity(p, band, w.blowing, &w.predicted, &w.new_velocity, &s.volume);
-        see(if p.turbulence.filter == Filter::Grid { "turbulence/gather" } else { "turbulence/band" }, s, w);
+        see(if p.turbulence.filter.is_grid() { "turbulence/gather" } else { "turbulence/band" }, s, w);
         if p.law == Law::Band {
             w.vorticity = vorticity(p, &w.predicted, &w.band_velocity, &s.volume, &w.near);
             see("turbulence/vorticity", s, w);
@@ -96,8 +96,8 @@ pub fn band_velocity(
     volume: &[f64],
 ) -> (Vec<DVec3>, [Mesh; 2]) {
     match p.turbulence.filter {
-        Filter::Direct => (self::band(p, band, wind, x, v, volume), Default::default()),
-        Filter::Grid => {
+        Filter::Direct(_) => (self::band(p, band, wind, x, v, volume), Default::default()),
+        Filter::Grid(_) => {
             let deposited = deposit(p, p.grid_scale(band), wind, x, v, volume);
             let curved = smooth(p, band.scale, &deposited);
             (gather(p, band, &curved, x), [deposited, curved])

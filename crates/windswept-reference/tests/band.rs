@@ -10,7 +10,7 @@ use windswept_reference::{
     tables,
     turbulence::{self, b_spline, mexican_hat, peak_gain, window},
 };
-use windswept_scene::{Band, Law};
+use windswept_scene::{Band, Filter, GridFilter, Law};
 
 /// A band of strength 1.
 fn of_scale(scale: f64) -> Band {
@@ -126,7 +126,7 @@ fn a_grid_finds_what_the_sum_does() {
     let noise = stirred(crowd.positions.len(), 4);
     let v: Vec<DVec3> = crowd.positions.iter().zip(noise).map(|(x, noise)| wave(x) + noise).collect();
     crowd.parameters.cutoff = 7.0;
-    crowd.parameters.turbulence.spacing = 0.4;
+    crowd.parameters.turbulence.filter = Filter::Grid(GridFilter { spacing: 0.4 });
     let wind = DVec3::new(1.0, -2.0, 0.5);
     let blown: Vec<DVec3> = v.iter().map(|v| *v + wind).collect();
     for scale in [0.007, 0.009] {

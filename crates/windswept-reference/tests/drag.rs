@@ -24,9 +24,9 @@ const HAIR: f64 = 4e-5;
 
 /// Hair in the wind; `keys` are those of `[interaction]`.
 fn parameters(hair: &Strands, wind: DVec3, keys: &str) -> Parameters {
-    let mut scene = scene(&format!("[air]\nwind = [0, 0, 0]\nramp = 0.0\n[interaction]\nmodel = \"drag\"\n{keys}"));
+    let scene = scene(&format!("[air]\nwind = [0, 0, 0]\nramp = 0.0\n[interaction]\nmodel = \"drag\"\n{keys}"));
     // Faster than a scene may say: the law is tried at any Reynolds number.
-    scene.air.as_mut().unwrap().wind = wind.to_array();
+    let scene = scene.assuming(|_, values| values.air.as_mut().unwrap().wind = wind.to_array());
     Parameters::new(&scene, &InitialState { hair: hair.clone(), ..InitialState::default() })
 }
 

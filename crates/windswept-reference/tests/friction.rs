@@ -154,7 +154,7 @@ fn slides(tangent: f64) -> (f64, f64) {
     );
     let far = support::air(DVec3::ONE, vec![DVec3::new(0.5, 0.9, 0.5)]);
     let initial = InitialState { hair, ..far };
-    let mut p = Parameters::new(&Scene::parse(&text).unwrap(), &initial);
+    let mut p = Parameters::new(&Scene::parse(&text).unwrap().check().unwrap(), &initial);
     // No air to speak of.
     (p.kinematic_viscosity, p.rest_density) = (1e-12, 1e-6);
     p.friction.fill(MU);
@@ -215,7 +215,7 @@ fn lies(strand_count: usize, damping: f64, seconds: f64) -> (usize, f64) {
          [interaction]\nmodel = \"two-way\"\n[fluid]\nsolver = \"pbf\"\niterations = 4\n"
     );
     let initial = InitialState { hair, ..support::air(DVec3::ONE, vec![DVec3::new(0.5, 0.9, 0.5)]) };
-    let mut p = Parameters::new(&Scene::parse(&text).unwrap(), &initial);
+    let mut p = Parameters::new(&Scene::parse(&text).unwrap().check().unwrap(), &initial);
     p.friction.fill(MU);
     let mut state = State::new(&initial, p.step);
     let mut run = |steps: usize| {

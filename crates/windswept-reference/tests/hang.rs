@@ -6,7 +6,7 @@ mod support;
 use glam::DVec3;
 use support::apart;
 use windswept_reference::{Parameters, State, step::step};
-use windswept_scene::{Fibre, Groom, InitialState, RestShape, Scene, Stiffness};
+use windswept_scene::{Fibre, Groom, InitialState, Moduli, RestShape, Scene, Stiffness};
 
 const LENGTH: f64 = 0.15;
 const SEGMENTS: u32 = 30;
@@ -24,10 +24,10 @@ fn strand(direction: impl Fn(f64) -> DVec3) -> Vec<[f64; 3]> {
 /// Farthest that a point of a strand of γ = ρAgL³/EI goes in 10 s \[lengths\], awake, undamped, and what was warned of.
 fn drift(points: &[[f64; 3]], gamma: f64, rest: RestShape) -> (f64, Vec<String>) {
     let keys = "interaction.model = \"none\"\nrods = { sleep = false }\ntime = { step = 1.38e-3, duration = 10 }";
-    let scene = Scene::parse(keys).unwrap();
+    let scene = Scene::parse(keys).unwrap().check().unwrap();
     let radius = 4e-5;
     let youngs_modulus = 1320.0 * 9.81 * LENGTH.powi(3) / (0.25 * gamma * radius * radius);
-    let stiffness = Stiffness::Moduli { youngs_modulus, poissons_ratio: 0.38 };
+    let stiffness = Stiffness::Moduli(Moduli { youngs_modulus, poissons_ratio: 0.38 });
     // Thinner towards the tip and flat, so that nothing is the same in any two segments or ways.
     let fibre = Fibre { radius, taper: 0.3, aspect: 0.7, stiffness, ..Fibre::default() };
     let groom = Groom { fibre: fibre.into(), rest, ..Groom::new(points.to_vec(), vec![0, SEGMENTS + 1]) };

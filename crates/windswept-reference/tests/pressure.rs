@@ -28,7 +28,10 @@ fn the_coarse_grid_bears_more_spreading() {
         (&["interaction.model=particles"], 0.05),
     ] {
         let sets: Vec<_> = sets.iter().map(|set| (*set).to_owned()).collect();
-        let scene = Scene::parse_with("scene", include_str!("../../../examples/scenes/quick.toml"), &sets).unwrap();
+        let scene = Scene::parse_with("scene", include_str!("../../../examples/scenes/quick.toml"), &sets)
+            .unwrap()
+            .check()
+            .unwrap();
         let initial = InitialState::new(&scene).unwrap();
         assert_eq!(Parameters::new(&scene, &initial).spreading, share, "{sets:?}");
     }
@@ -146,12 +149,12 @@ fn still(cells: [usize; 3], keys: &str) -> (Parameters, InitialState) {
 /// 3 m/s.
 fn parameters(initial: &InitialState, substeps: u32, keys: &str) -> Parameters {
     let solver = if keys.contains("solver") { "" } else { "solver = \"divergence\"\n" };
-    let mut scene = scene(&format!(
+    let scene = scene(&format!(
         "[interaction]\nmodel = \"two-way\"\n[viscosity]\nair = 0.0\n[air]\n\
          box = {{ min = [0.0, 0.0, 0.0], max = [1.0, 1.0, 1.0] }}\nwind = [3.0, 0.0, 0.0]\nramp = 0.0\nfringe = 0.0\n\
          [fluid]\n{solver}{keys}"
     ));
-    scene.time.substeps = substeps;
+    let scene = scene.assuming(|_, values| values.time.substeps = substeps);
     Parameters::new(&scene, initial)
 }
 

@@ -7,7 +7,7 @@ mod support;
 use glam::{DQuat, DVec3};
 use support::{Crowd, MASS, RADIUS, Rod, SIMPLE, VOLUME, air, apart, jittered, lattice, scene, stirred};
 use windswept_reference::{Parameters, State, sph_kernels::spiky_slope, step::step, turbulence};
-use windswept_scene::{Band, FluidSolver, InitialState, Law, Scene};
+use windswept_scene::{Band, CheckedScene, FluidSolver, InitialState, Law};
 
 const BAND: Band = Band { scale: 6e-3, strength: 3.0, intensity: 0.3 };
 
@@ -312,7 +312,7 @@ fn stirred_box(wind: f64, keys: &str) -> (State, Parameters) {
     let (size, positions) = jittered(10, 0.2, 39);
     let mut initial = air(size, positions);
     initial.air.velocities = stirred(1_000, 40).iter().map(|v| 0.2 * *v + wind * DVec3::X).collect();
-    let scene: Scene = scene(&format!(
+    let scene: CheckedScene = scene(&format!(
         "[air]\nbox = {{ min = [0.0, 0.0, 0.0], max = [0.75, 0.75, 0.75] }}\nwind = [{wind:?}, 0.0, 0.0]\nramp = 0.0\n\
          fringe = 0.01\n[turbulence]\n{keys}"
     ));
@@ -356,7 +356,7 @@ fn steps_strengthen_bands() {
 /// The impulse that is counted is what the air's momentum gains in steps by the published law; hair is no part of it.
 #[test]
 fn the_impulse_is_the_momentum_gained() {
-    let published = "law = \"published\"\ncutoff = 3.0\nbands = [{ scale = 0.006, strength = 1.0, intensity = 0.3 }]";
+    let published = "law = \"published\"\nfilter = \"direct\"\ncutoff = 3.0\nbands = [{ scale = 0.006, strength = 1.0, intensity = 0.3 }]";
     let (mut with, mut p) = stirred_box(1.0, published);
     let (mut without, _) = stirred_box(1.0, published);
     (p.viscosity_hair, p.viscosity_air) = (0.0, 0.0);

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::{
-    scene::{Model, Scene},
+    scene::{Model, SceneValues},
     strands::Strands,
 };
 
@@ -21,7 +21,7 @@ impl Strands {
     /// strands that carries more than before.
     ///
     /// [`InitialState::new`](crate::InitialState::new) and the engine, where it starts from a caller's arrays, do so.
-    pub fn add_air_mass(&mut self, scene: &Scene) -> Vec<String> {
+    pub fn add_air_mass(&mut self, scene: &SceneValues) -> Vec<String> {
         let air = scene.air.as_ref().filter(|_| scene.interaction.model == Model::Particles);
         let Some(density) = air.map(|air| LIGHTEST * air.rest_density) else { return Vec::new() };
         let segments: Vec<_> = (0..self.len()).flat_map(|s| self.segments(s).zip(self.points(s))).collect();

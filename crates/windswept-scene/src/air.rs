@@ -5,9 +5,9 @@ use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 
 use crate::{
-    body::{Shape, inside},
+    body::{CheckedShape, inside},
     initial::AirParticles,
-    scene::{Air, Bounds, Scene},
+    scene::{Bounds, CheckedAir, SceneValues},
     strands::Strands,
 };
 
@@ -21,7 +21,7 @@ const PARTS: usize = 6;
 /// Largest part of the box that hair to be blown in may take.
 const LARGEST_SHARE: f64 = 0.5;
 
-impl Air {
+impl CheckedAir {
     /// Volume V of a particle before the count is rounded \[m³\].
     #[must_use]
     pub fn particle_volume(&self) -> f64 {
@@ -35,9 +35,9 @@ impl Air {
     }
 }
 
-impl Scene {
+impl SceneValues {
     /// Air and the box that its particles fill; `None` without particles.
-    pub(crate) fn filled(&self) -> Option<(&Air, Bounds)> {
+    pub(crate) fn filled(&self) -> Option<(&CheckedAir, Bounds)> {
         let air = self.air.as_ref().filter(|_| self.interaction.model.has_air())?;
         Some((air, air.bounds?))
     }
@@ -49,7 +49,13 @@ impl Scene {
 ///
 /// Each particle stands off its site by up to `air.jitter` spacings along each axis: by chance, which is PCG XSL 128/64
 /// seeded by `seed`.
-pub(crate) fn particles(air: &Air, bounds: &Bounds, hair: &Strands, bodies: &[Shape], seed: u64) -> AirParticles {
+pub(crate) fn particles(
+    air: &CheckedAir,
+    bounds: &Bounds,
+    hair: &Strands,
+    bodies: &[CheckedShape],
+    seed: u64,
+) -> AirParticles {
     let min = DVec3::from_array(bounds.min);
     let size = DVec3::from_array(bounds.max) - min;
     let spacing = air.particle_volume().cbrt();
@@ -111,7 +117,7 @@ pub(crate) fn particles(air: &Air, bounds: &Bounds, hair: &Strands, bodies: &[Sh
 }
 
 /// The part of a lattice cell about `center` that is in no body.
-fn outside(bodies: &[Shape], center: DVec3, cell: DVec3) -> f64 {
+fn outside(bodies: &[CheckedShape], center: DVec3, cell: DVec3) -> f64 {
     let deepest = bodies.iter().map(|body| body.signed_distance(center).0).fold(f64::INFINITY, f64::min);
     let reach = 0.5 * cell.length();
     if deepest.abs() >= reach {

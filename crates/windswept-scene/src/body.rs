@@ -1,31 +1,31 @@
 //! Bodies that hair and air stay out of: `[[body]]`.
 //!
 //! Everything about a body that depends on its shape stands here, for the CPU, and in `shaders/common/body.wgsl`, for
-//! the GPU. Everybody else asks a [`Shape`] for its signed distance, its bounds or its skin.
+//! the GPU. Everybody else asks a [`CheckedShape`] for its signed distance, its bounds or its skin.
 
 use std::f64::consts::{PI, TAU};
 
 use glam::{DMat3, DVec3};
 
 use crate::{
-    declare::{InvalidValue, Keys, table, words},
-    error::SceneError,
+    declare::{table, variants},
+    faults::At,
     keys::{
+        Fallback::Required,
         Fallback::{Derived, Value},
-        Key,
-        Kind::{Choice, Length, NonNegative, Path, Positive, Table, Tables, Text, Vector},
+        Kind::{Length, NonNegative, Table, Tables, Text, Vector},
     },
     limits::{MAX_BLOCKED, MAX_GRID_VALUES},
     motion::Motion,
-    reader::Reader,
-    scene::{Bounds, Scene, Up},
+    scene::{Bounds, SceneValues},
     solid::{MeshFile, Solid},
     triangles::Triangles,
-    write::Writer,
 };
 
 /// Samples along each side of the box, to see how much of it is blocked.
 const SAMPLES: u32 = 24;
+/// Coulomb's coefficient of friction of hair on a body, where a scene says none.
+const FRICTION: f64 = 0.3;
 /// Depth below a surface that is rounding \[radii of the largest ball that fits inside\].
 const ROUNDING: f64 = 1e-3;
 /// Depth below the surface of a mesh that its grid may make of a point on it, next to an edge \[spacings\].
@@ -34,82 +34,128 @@ const GRID_ERROR: f64 = 0.25;
 table! {
     /// One `[[body]]`.
     #[derive(Debug, Clone, PartialEq)]
-    pub struct Body {
+    pub struct Body => CheckedBody {
         /// Name of the body, for dotted keys and errors.
         name: String = Text, "", Value("body".to_owned());
         /// Shape of the body where it is written, before it moves.
-        shape as "": Shape = Table, "", Derived("");
+        shape as "": Shape as CheckedShape = Table, "", Derived("");
         /// Coulomb's coefficient of friction of hair on the body.
-        friction: f64 = NonNegative, "", Value(0.3);
+        friction: f64 = NonNegative, "", Value(FRICTION);
         /// Keyframes of the body, about its centre, or about the origin of its mesh file.
         motion: Motion = Tables, "", Derived("it rests");
     }
 }
 
-/// Shape of a body \[m\]: a solid that is given by points, so that it moves when they do.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Shape {
-    /// All points within `radius` of a point.
-    Sphere {
-        /// Centre of the sphere.
-        center: [f64; 3],
-        /// Radius of the solid.
-        radius: f64,
-    },
-    /// All points within `radius` of a line.
-    Capsule {
-        /// Start of the line.
-        start: [f64; 3],
-        /// End of the line.
-        end: [f64; 3],
-        /// Radius of the solid.
-        radius: f64,
-    },
-    /// All points that the triangles of a file enclose.
-    Mesh(Solid),
-}
-
-words! {
-    /// `body.shape`.
-    pub(crate) enum ShapeName {
-        /// [`Shape::Sphere`]
-        Sphere = "sphere",
-        /// [`Shape::Capsule`]
-        Capsule = "capsule",
-        /// [`Shape::Mesh`]
-        Mesh = "mesh",
+variants! {
+    /// Shape of a body \[m\]: a solid that is given by points, so that it moves when they do.
+    #[derive(Debug, Clone, PartialEq)]
+    pub enum Shape => CheckedShape by "shape" = Value("sphere"),
+        "Shape of the body: with center and radius, with start, end and radius, or with file."
+    {
+        /// All points within `radius` of a point.
+        Sphere(Sphere) = "sphere",
+        /// All points within `radius` of a line.
+        Capsule(Capsule) = "capsule",
+        /// All points that the triangles of a file enclose.
+        Mesh(MeshFile as Solid) = "mesh",
     }
 }
 
 table! {
-    /// The keys that spell a [`Shape`].
-    pub(crate) struct SpelledShape {
-        /// Shape of the body: with center and radius, with start, end and radius, or with file.
-        shape: ShapeName = Choice(ShapeName::WORDS), "", Value(ShapeName::Sphere);
+    /// All points within `radius` of a point.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct Sphere {
         /// Centre of the sphere.
-        center: Option<[f64; 3]> = Vector, "m", Derived("needed with shape sphere");
-        /// Start of the capsule's axis.
-        start: Option<[f64; 3]> = Vector, "m", Derived("needed with shape capsule");
-        /// End of the capsule's axis.
-        end: Option<[f64; 3]> = Vector, "m", Derived("needed with shape capsule");
+        center: [f64; 3] = Vector, "m", Required;
         /// Radius of the sphere, or about the capsule's axis.
-        radius: Option<f64> = Length, "m", Derived("needed with shape sphere or capsule");
-        /// Mesh file whose triangles enclose the body (.obj, .ply, .glb).
-        file: Option<String> = Path, "", Derived("needed with shape mesh");
-        /// Metres per unit of the file: 0.01 for centimetres.
-        scale: Option<f64> = Positive, "m", Derived("needed with shape mesh, unless the file says its unit");
-        /// Axis of the file that points up, or the axes of the file that become x, y and z; xzy, yxz and zyx mirror.
-        up: Option<Up> = Choice(Up::WORDS), "", Derived("y");
-        /// Spacing of the grid of distances from the mesh.
-        resolution: Option<f64> = Length, "m", Derived("0.002, or less: 128 cells along its longest side");
+        radius: f64 = Length, "m", Required;
     }
 }
 
-impl SpelledShape {
-    /// No key but the shape.
-    fn new(shape: ShapeName) -> Self {
-        let (center, start, end, radius) = (None, None, None, None);
-        Self { shape, center, start, end, radius, file: None, scale: None, up: None, resolution: None }
+table! {
+    /// All points within `radius` of a line.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct Capsule, checked by Capsule::check {
+        /// Start of the capsule's axis.
+        start: [f64; 3] = Vector, "m", Required;
+        /// End of the capsule's axis.
+        end: [f64; 3] = Vector, "m", Required;
+        /// Radius of the sphere, or about the capsule's axis.
+        radius: f64 = Length, "m", Required;
+    }
+}
+
+impl Capsule {
+    fn check(&self, at: &At<'_>) {
+        if DVec3::from_array(self.start).distance(DVec3::from_array(self.end)) < 1e-6 * self.radius {
+            at.fault("end", "is the same point as start; expected another, or shape \"sphere\"");
+        }
+    }
+}
+
+impl Body {
+    /// A ball named `body` \[m\], at rest.
+    #[must_use]
+    pub fn sphere(center: [f64; 3], radius: f64) -> Self {
+        Self::of(Shape::sphere(center, radius))
+    }
+
+    /// All points within `radius` of the line from `start` to `end` \[m\], named `body`, at rest.
+    #[must_use]
+    pub fn capsule(start: [f64; 3], end: [f64; 3], radius: f64) -> Self {
+        Self::of(Shape::capsule(start, end, radius))
+    }
+
+    /// The solid of a mesh file, named `body`, at rest; relative paths start from the current directory.
+    #[must_use]
+    pub fn mesh(file: impl Into<String>) -> Self {
+        Self::of(Shape::Mesh(MeshFile::new(file)))
+    }
+
+    /// The solid that triangles of the caller's own enclose, named `body`, at rest.
+    #[must_use]
+    pub fn solid(solid: Solid) -> Self {
+        Self::of(solid.into())
+    }
+
+    /// The body with this name.
+    #[must_use]
+    pub fn named(self, name: impl Into<String>) -> Self {
+        Self { name: name.into(), ..self }
+    }
+
+    fn of(shape: Shape) -> Self {
+        Self { name: "body".to_owned(), shape, friction: FRICTION, motion: Motion::default() }
+    }
+}
+
+impl Shape {
+    /// All points within `radius` of `center` \[m\].
+    #[must_use]
+    pub const fn sphere(center: [f64; 3], radius: f64) -> Self {
+        Self::Sphere(Sphere { center, radius })
+    }
+
+    /// All points within `radius` of the line from `start` to `end` \[m\].
+    #[must_use]
+    pub const fn capsule(start: [f64; 3], end: [f64; 3], radius: f64) -> Self {
+        Self::Capsule(Capsule { start, end, radius })
+    }
+}
+
+impl From<CheckedShape> for Shape {
+    fn from(shape: CheckedShape) -> Self {
+        match shape {
+            CheckedShape::Sphere(sphere) => Self::Sphere(sphere),
+            CheckedShape::Capsule(capsule) => Self::Capsule(capsule),
+            CheckedShape::Mesh(solid) => solid.into(),
+        }
+    }
+}
+
+impl From<Solid> for Shape {
+    fn from(solid: Solid) -> Self {
+        Self::Mesh(MeshFile { solid: Some(solid), ..MeshFile::new("") })
     }
 }
 
@@ -123,13 +169,27 @@ pub struct Round {
     pub radius: f64,
 }
 
-impl Shape {
+impl CheckedShape {
+    /// All points within `radius` of `center` \[m\].
+    #[must_use]
+    pub const fn sphere(center: [f64; 3], radius: f64) -> Self {
+        Self::Sphere(Sphere { center, radius })
+    }
+
+    /// All points within `radius` of the line from `start` to `end` \[m\].
+    #[must_use]
+    pub const fn capsule(start: [f64; 3], end: [f64; 3], radius: f64) -> Self {
+        Self::Capsule(Capsule { start, end, radius })
+    }
+
     /// The shape as `shaders/common/body.wgsl` knows it.
     #[must_use]
     pub fn round(&self) -> Round {
         match *self {
-            Self::Sphere { center, radius } => Round { ends: [DVec3::from_array(center); 2], radius },
-            Self::Capsule { start, end, radius } => Round { ends: [start, end].map(DVec3::from_array), radius },
+            Self::Sphere(Sphere { center, radius }) => Round { ends: [DVec3::from_array(center); 2], radius },
+            Self::Capsule(Capsule { start, end, radius }) => {
+                Round { ends: [start, end].map(DVec3::from_array), radius }
+            }
             Self::Mesh(ref solid) => Round { ends: [solid.origin(); 2], radius: 0.0 },
         }
     }
@@ -139,7 +199,7 @@ impl Shape {
     pub fn solid(&self) -> Option<&Solid> {
         match self {
             Self::Mesh(solid) => Some(solid),
-            Self::Sphere { .. } | Self::Capsule { .. } => None,
+            Self::Sphere(_) | Self::Capsule(_) => None,
         }
     }
 
@@ -148,8 +208,10 @@ impl Shape {
     pub fn moved(&self, place: impl Fn(DVec3) -> DVec3) -> Self {
         let moved = |x: [f64; 3]| place(DVec3::from_array(x)).to_array();
         match *self {
-            Self::Sphere { center, radius } => Self::Sphere { center: moved(center), radius },
-            Self::Capsule { start, end, radius } => Self::Capsule { start: moved(start), end: moved(end), radius },
+            Self::Sphere(Sphere { center, radius }) => Self::Sphere(Sphere { center: moved(center), radius }),
+            Self::Capsule(Capsule { start, end, radius }) => {
+                Self::Capsule(Capsule { start: moved(start), end: moved(end), radius })
+            }
             Self::Mesh(ref solid) => Self::Mesh(solid.moved(place)),
         }
     }
@@ -236,96 +298,18 @@ impl Shape {
         };
         Triangles { points, corners, unit: Some(1.0), ..Triangles::default() }
     }
-
-    fn spelled(&self) -> SpelledShape {
-        match *self {
-            Self::Sphere { center, radius } => {
-                SpelledShape { center: Some(center), radius: Some(radius), ..SpelledShape::new(ShapeName::Sphere) }
-            }
-            Self::Capsule { start, end, radius } => SpelledShape {
-                start: Some(start),
-                end: Some(end),
-                radius: Some(radius),
-                ..SpelledShape::new(ShapeName::Capsule)
-            },
-            Self::Mesh(ref solid) => {
-                let MeshFile { file, scale, up, resolution } = solid.file().clone();
-                let (file, up) = (Some(file), Some(up));
-                SpelledShape { file, scale, up, resolution, ..SpelledShape::new(ShapeName::Mesh) }
-            }
-        }
-    }
 }
 
-impl Body {
+impl CheckedBody {
     /// The body's shape where it is at `time` \[s\].
     #[must_use]
-    pub fn at(&self, time: f64) -> Shape {
+    pub fn at(&self, time: f64) -> CheckedShape {
         let center = self.shape.center();
         self.shape.moved(|x| self.motion.place(center, x, time))
     }
 }
 
-impl Keys for Shape {
-    fn list(path: &str, all: &mut Vec<Key>) {
-        SpelledShape::list(path, all);
-    }
-
-    fn read(reader: &Reader<'_>) -> Result<Self, SceneError> {
-        const KEYS: [&str; 8] = ["center", "start", "end", "radius", "file", "scale", "up", "resolution"];
-        let spelled = SpelledShape::read(reader)?;
-        let word = spelled.shape.word();
-        let (own, has): (&[&str], _) = match spelled.shape {
-            ShapeName::Sphere => (&["center", "radius"], "center"),
-            ShapeName::Capsule => (&["start", "end", "radius"], "start and end"),
-            ShapeName::Mesh => (&["file", "scale", "up", "resolution"], "file"),
-        };
-        if let Some(other) = KEYS.iter().find(|key| reader.has(key) && !own.contains(key)) {
-            return Err(reader.fault(other, format!("expected no {other} with shape \"{word}\", which has {has}")));
-        }
-        let missing = |name: &str| reader.fault(name, format!("is missing: shape \"{word}\" has {has}"));
-        let point = |name: &str, point: Option<[f64; 3]>| point.ok_or_else(|| missing(name));
-        let radius = || {
-            let words = || format!("is missing: expected {}", Length.expected());
-            spelled.radius.ok_or_else(|| reader.fault("radius", words()))
-        };
-        match spelled.shape {
-            ShapeName::Sphere => {
-                let radius = radius()?;
-                Ok(Self::Sphere { center: point("center", spelled.center)?, radius })
-            }
-            ShapeName::Capsule => {
-                let radius = radius()?;
-                let (start, end) = (point("start", spelled.start)?, point("end", spelled.end)?);
-                if DVec3::from_array(start).distance(DVec3::from_array(end)) < 1e-6 * radius {
-                    let words = "is the same point as start; expected another, or shape \"sphere\"";
-                    return Err(reader.fault("end", words));
-                }
-                Ok(Self::Capsule { start, end, radius })
-            }
-            ShapeName::Mesh => {
-                let SpelledShape { file, scale, up, resolution, .. } = spelled;
-                let file = file.ok_or_else(|| missing("file"))?;
-                let said = MeshFile { file: file.clone(), scale, up: up.unwrap_or_default(), resolution };
-                let read = Solid::load_beside(said, reader.folder());
-                read.map(Self::Mesh).map_err(|error| {
-                    let fault = reader.fault(error.key().unwrap_or("file"), format!("{file}: {}", error.message()));
-                    error.help().into_iter().fold(fault, |fault, help| fault.with_help(help))
-                })
-            }
-        }
-    }
-
-    fn write(&self, writer: &mut Writer) {
-        self.spelled().write(writer);
-    }
-
-    fn invalid_value(&self) -> Option<InvalidValue> {
-        self.spelled().invalid_value()
-    }
-}
-
-impl Scene {
+impl SceneValues {
     /// The solids of the meshes, one for each grid of distances that is in memory: bodies of one file share it.
     #[must_use]
     pub fn solids(&self) -> Vec<&Solid> {
@@ -339,37 +323,36 @@ impl Scene {
     }
 
     /// The grids of all meshes must fit into one buffer, and the wind must get past the bodies.
-    pub(crate) fn check_bodies(&self, reader: &Reader<'_>) -> Result<(), SceneError> {
+    pub(crate) fn check_bodies(&self, at: &At<'_>) {
         let nodes: usize = self.solids().iter().map(|solid| solid.grid().values.len()).sum();
         if nodes > MAX_GRID_VALUES {
-            let most = |body: &Body| body.shape.solid().map_or(0, |solid| solid.grid().values.len());
+            let most = |body: &CheckedBody| body.shape.solid().map_or(0, |solid| solid.grid().values.len());
             let largest = (0..self.bodies.len()).max_by_key(|&i| most(&self.bodies[i])).unwrap_or_default();
             let words = format!(
                 "the grids of all meshes have {nodes} nodes together; expected at most {MAX_GRID_VALUES}, with a larger resolution"
             );
-            return Err(reader.fault(&format!("body.{largest}.resolution"), words));
+            at.fault(&format!("body.{largest}.resolution"), words);
         }
-        let Some((air, bounds)) = self.filled() else { return Ok(()) };
-        let bodies: Vec<Shape> = self.bodies.iter().map(|body| body.at(0.0)).collect();
+        let Some((air, bounds)) = self.filled() else { return };
+        let bodies: Vec<CheckedShape> = self.bodies.iter().map(|body| body.at(0.0)).collect();
         for (axis, name) in ["x", "y", "z"].into_iter().enumerate().filter(|&(axis, _)| air.wind[axis] != 0.0) {
             let part = blocked(&bodies, &bounds, axis);
             if part > MAX_BLOCKED {
                 let words =
                     format!("bodies block {:.0} % of air.box across {name}; expected room for the wind", 100.0 * part);
-                return Err(reader.fault("body", words));
+                at.fault("body", words);
             }
         }
-        Ok(())
     }
 }
 
 /// Whether `x` is inside any of the bodies.
-pub(crate) fn inside(bodies: &[Shape], x: DVec3) -> bool {
+pub(crate) fn inside(bodies: &[CheckedShape], x: DVec3) -> bool {
     bodies.iter().any(|body| body.signed_distance(x).0 < 0.0)
 }
 
 /// The part of the box's cross-section that bodies stand in, seen along an axis.
-pub(crate) fn blocked(bodies: &[Shape], bounds: &Bounds, axis: usize) -> f64 {
+pub(crate) fn blocked(bodies: &[CheckedShape], bounds: &Bounds, axis: usize) -> f64 {
     let [min, max] = [bounds.min, bounds.max].map(DVec3::from_array);
     let seat = |k: u32| (f64::from(k) + 0.5) / f64::from(SAMPLES);
     let at = |along: u32, i: u32, j: u32| {

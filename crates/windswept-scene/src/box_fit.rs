@@ -6,7 +6,7 @@ use crate::{
     error::SceneError,
     limits::MIN_BOX_SIDE,
     motion::Motion,
-    scene::{Air, Bounds, Scene},
+    scene::{Bounds, CheckedAir, SceneValues, check_size},
     strands::{End, Strands},
 };
 
@@ -20,7 +20,7 @@ const POSES: u32 = 16;
 ///
 /// # Errors
 /// [`SceneError`] where no hair can get into the box, and where what is left holds more particles than fit.
-pub(crate) fn cut(scene: &Scene, air: &Air, bounds: Bounds, hair: &Strands) -> Result<Bounds, SceneError> {
+pub(crate) fn cut(scene: &SceneValues, air: &CheckedAir, bounds: Bounds, hair: &Strands) -> Result<Bounds, SceneError> {
     let [low, high] = of_hair(scene, hair);
     let Some(margin) = air.margin.filter(|_| low.is_finite() && high.is_finite()) else { return Ok(bounds) };
     let [min, max] = [bounds.min, bounds.max].map(DVec3::from_array);
@@ -38,13 +38,14 @@ pub(crate) fn cut(scene: &Scene, air: &Air, bounds: Bounds, hair: &Strands) -> R
     let from = (from - short(from, to)).max(min);
     let to = (to + short(from, to)).min(max);
     let cut = Bounds { min: from.to_array(), max: to.to_array() };
-    air.check_size(&cut).map_err(|(key, words)| SceneError::new(words).at(format!("air.{key}"), None))?;
+    check_size(&cut, air.particle_volume(), air.kernel_radius)
+        .map_err(|(key, words)| SceneError::new(words).at(format!("air.{key}"), None))?;
     Ok(cut)
 }
 
 /// Corners of the box that hair may get into \[m\]: everywhere with strands whose roots are free, and nowhere without
 /// hair, where the lower corner is above the upper one.
-pub(crate) fn of_hair(scene: &Scene, hair: &Strands) -> [DVec3; 2] {
+pub(crate) fn of_hair(scene: &SceneValues, hair: &Strands) -> [DVec3; 2] {
     if (0..hair.len()).any(|s| hair.ends(s).root == End::Free) {
         return [DVec3::NEG_INFINITY, DVec3::INFINITY];
     }
@@ -60,7 +61,7 @@ pub(crate) fn of_hair(scene: &Scene, hair: &Strands) -> [DVec3; 2] {
 }
 
 /// Where a root that is at `root` at the start gets \[m\].
-fn places(scene: &Scene, hair: &Strands, s: usize, root: DVec3) -> Vec<DVec3> {
+fn places(scene: &SceneValues, hair: &Strands, s: usize, root: DVec3) -> Vec<DVec3> {
     let Some(group) = hair.group(s, scene) else { return vec![root] };
     let (motion, center) = (&group.motion, group.center());
     let (translation, rotation) = motion.at(0.0);

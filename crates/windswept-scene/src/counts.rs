@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use crate::{
     groom::Groom,
-    scene::{Drawn, Hair, Model, Scene},
+    scene::{Drawn, Hair, Model, SceneValues},
 };
 
 /// Numbers of what a scene starts with.
@@ -18,7 +18,7 @@ pub struct Counts {
     pub air: u64,
 }
 
-impl Scene {
+impl SceneValues {
     /// Least numbers that the scene starts with, with the strands of `groom` in place of its own where there are such.
     ///
     /// Strands of groom files are not counted, as the files are not read. Nor is air where hair or bodies take room

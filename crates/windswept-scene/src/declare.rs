@@ -1,8 +1,8 @@
 //! How a scene's keys are declared: each once, beside the field that it fills.
 //!
-//! [`table!`] declares a table of the file and its struct together; [`words!`] a choice and its enum. From the
-//! declaration follow the struct with its documentation, the key's row in [`crate::keys::KEYS`] and so in `windswept
-//! check --explain`, its default, reading and writing.
+//! [`table!`] declares a table of the file and its struct together; [`variants!`] a choice of tables and its enum;
+//! [`words!`] a choice of words and its enum. From the declaration follow the struct with its documentation, the key's
+//! row in [`crate::keys::KEYS`] and so in `windswept check --explain`, its default, reading, writing and checking.
 //!
 //! ```text
 //! table! {
@@ -17,20 +17,24 @@
 //!
 //! * `name as "key": …` where the key is not called as the field; `as ""` where the field is a group of keys of this
 //!   table.
-//! * `… Derived("what happens") => |reader| value;` where the value follows from other keys when the file does not say;
-//!   fields above are in scope.
-//! * `pub struct Name, checked by Name::checked { … }` where keys must fit together; the function takes the struct and
-//!   the reader, and may derive values from several keys.
-//! * `without a field { … }` after the struct for keys that `checked` looks at.
+//! * `pub struct Name => CheckedName { … }` where the checked scene has another struct. A field with `… => |scene| value;`
+//!   is an `Option` in the first, and in the second `value` where it is `None`; fields above are in scope. With
+//!   `… => method;` the value is the default of the scene's method.
+//! * `pub struct Name, checked by Name::check { … }` where keys must fit together; of two structs the function takes the
+//!   checked one as well, which it may change.
+//! * `pub struct Name, with defaults { … }` where every key has one: the struct is `Default`.
+//! * `and before the check { … }` after the struct for fields that the checked struct does not have.
 
+use glam::DVec3;
 use toml_edit::Value as Toml;
 
 use crate::{
-    document::Datum,
-    error::SceneError,
+    document::{Datum, Document, most_of},
+    faults::{At, Faults},
     keys::{Fallback, Key, Kind},
     limits::{LARGEST, MAGNITUDES, SMALLEST},
     reader::Reader,
+    scene::Scene,
     write::Writer,
 };
 
@@ -59,50 +63,40 @@ impl<T> Row<T> {
     }
 }
 
-/// A value that its key does not take.
-pub(crate) struct InvalidValue {
-    /// Name of the key in its table.
-    pub(crate) key: &'static str,
-    /// The expected value, for people.
-    pub(crate) expected: String,
-    /// The value, for people.
-    pub(crate) found: String,
-}
-
 /// A field of a table: a value, a table, a list of tables, or one of them that may be absent.
 pub(crate) trait Field: Sized {
+    /// The field in a checked scene.
+    type Checked;
     /// Appends the keys of the field, which is in the table at `path`, to `all`.
     fn list(row: Row<Self>, path: &str, all: &mut Vec<Key>);
-    /// Value of the table, else the default; `None` where there is neither.
-    ///
-    /// # Errors
-    /// A key that is needed and missing; values that do not go together.
-    fn read(row: Row<Self>, reader: &Reader<'_>) -> Result<Option<Self>, SceneError>;
+    /// Value of the table, else the default; `None` where there is neither. A fault that was found also leaves `None`.
+    fn read(row: Row<Self>, reader: &Reader<'_>) -> Option<Self>;
     /// Writes the field as the key of this name.
     fn write(&self, name: &'static str, writer: &mut Writer);
-    /// The first value that its key does not take, in a struct that was made in code.
-    fn invalid_value(&self, _name: &'static str, _kind: Kind) -> Option<InvalidValue> {
-        None
-    }
+    /// Finds values that their keys do not take.
+    fn find(&self, name: &'static str, kind: Kind, at: &At<'_>);
+    /// The field in a checked scene; finds values that do not go together. `None` where a fault leaves no value.
+    fn check(&self, name: &'static str, kind: Kind, scene: &Scene, at: &At<'_>) -> Option<Self::Checked>;
 }
 
-/// A table: the keys of a struct. [`table!`] implements it; by hand only where the struct is not the keys one by one.
+/// A table: the keys of a struct or of an enum. [`table!`] and [`variants!`] implement it.
 pub(crate) trait Keys: Sized {
+    /// The table in a checked scene.
+    type Checked;
     /// Appends the keys of the table at `path` to `all`.
     fn list(path: &str, all: &mut Vec<Key>);
-    /// Reads the table.
-    ///
-    /// # Errors
-    /// A key that is needed and missing; values that do not go together.
-    fn read(reader: &Reader<'_>) -> Result<Self, SceneError>;
+    /// Reads the table; `None` where it has a fault.
+    fn read(reader: &Reader<'_>) -> Option<Self>;
     /// Writes every key of the table.
     fn write(&self, writer: &mut Writer);
-    /// The first value that its key does not take.
-    fn invalid_value(&self) -> Option<InvalidValue>;
+    /// Finds values that their keys do not take.
+    fn find(&self, at: &At<'_>);
+    /// The table in a checked scene; finds values that do not go together.
+    fn check(&self, scene: &Scene, at: &At<'_>) -> Option<Self::Checked>;
 }
 
 /// A value that one key spells.
-pub(crate) trait Leaf: Sized {
+pub(crate) trait Leaf: Sized + Clone {
     /// The value from a checked one of the document; `None` for one of another type.
     fn take(datum: &Datum) -> Option<Self>;
     /// The value as TOML.
@@ -111,6 +105,14 @@ pub(crate) trait Leaf: Sized {
     fn fits(&self, _kind: Kind) -> bool {
         true
     }
+    /// Whether it is made of numbers that may be fractions.
+    fn is_number(&self) -> bool {
+        false
+    }
+    /// The value of the key in a checked scene.
+    fn as_checked(&self, _kind: Kind) -> Self {
+        self.clone()
+    }
 }
 
 impl<T> Row<T> {
@@ -118,7 +120,7 @@ impl<T> Row<T> {
         Row { name: self.name, kind: self.kind, unit: self.unit, doc: self.doc, default }
     }
 
-    fn key(self, path: &str, default: impl Fn(T) -> String) -> Key {
+    pub(crate) fn key(self, path: &str, default: impl Fn(T) -> String) -> Key {
         // The first paragraph, on one line and without Markdown.
         let lines = self.doc.lines().map(str::trim).take_while(|line| !line.is_empty());
         let help = lines.collect::<Vec<_>>().join(" ").replace('`', "").trim_end_matches('.').to_owned();
@@ -136,6 +138,8 @@ pub(crate) fn join(path: &str, name: &str) -> String {
 }
 
 impl<T: Keys> Field for T {
+    type Checked = T::Checked;
+
     fn list(row: Row<Self>, path: &str, all: &mut Vec<Key>) {
         let own = join(path, row.name);
         if !row.name.is_empty() {
@@ -145,8 +149,8 @@ impl<T: Keys> Field for T {
     }
 
     /// A table that is not there has its defaults; what it needs is missed key by key.
-    fn read(row: Row<Self>, reader: &Reader<'_>) -> Result<Option<Self>, SceneError> {
-        T::read(&reader.table(row.name)).map(Some)
+    fn read(row: Row<Self>, reader: &Reader<'_>) -> Option<Self> {
+        T::read(&reader.table(row.name))
     }
 
     fn write(&self, name: &'static str, writer: &mut Writer) {
@@ -156,25 +160,31 @@ impl<T: Keys> Field for T {
         }
     }
 
-    fn invalid_value(&self, _name: &'static str, _kind: Kind) -> Option<InvalidValue> {
-        T::invalid_value(self)
+    fn find(&self, name: &'static str, _: Kind, at: &At<'_>) {
+        T::find(self, &at.table(name));
+    }
+
+    fn check(&self, name: &'static str, _: Kind, scene: &Scene, at: &At<'_>) -> Option<T::Checked> {
+        T::check(self, scene, &at.table(name))
     }
 }
 
 impl<T: Field> Field for Option<T> {
+    type Checked = Option<T::Checked>;
+
+    /// A group of keys that may be absent needs none of them.
     fn list(row: Row<Self>, path: &str, all: &mut Vec<Key>) {
+        let (first, group) = (all.len(), row.name.is_empty());
+        let without = if let Fallback::Derived(text) = row.default { Some(text) } else { None };
         T::list(row.inner(), path, all);
+        for key in all[first..].iter_mut().filter(|key| group && key.default == Fallback::Required) {
+            key.default = without.map_or(Fallback::Required, Fallback::Derived);
+        }
     }
 
-    fn read(row: Row<Self>, reader: &Reader<'_>) -> Result<Option<Self>, SceneError> {
+    fn read(row: Row<Self>, reader: &Reader<'_>) -> Option<Self> {
         let has_default = matches!(row.default, Fallback::Value(Some(_)));
-        let mut keys = Vec::new();
-        if row.name.is_empty() {
-            T::list(row.with(Fallback::Required), "", &mut keys);
-        }
-        let named = !row.name.is_empty() && reader.has(row.name);
-        let spelled = named || keys.iter().any(|key| reader.has(&key.path));
-        if has_default || spelled { T::read(row.inner(), reader).map(Some) } else { Ok(Some(None)) }
+        if has_default || row.is_spelled(reader) { T::read(row.inner(), reader).map(Some) } else { Some(None) }
     }
 
     fn write(&self, name: &'static str, writer: &mut Writer) {
@@ -183,8 +193,26 @@ impl<T: Field> Field for Option<T> {
         }
     }
 
-    fn invalid_value(&self, name: &'static str, kind: Kind) -> Option<InvalidValue> {
-        self.as_ref()?.invalid_value(name, kind)
+    fn find(&self, name: &'static str, kind: Kind, at: &At<'_>) {
+        if let Some(value) = self {
+            value.find(name, kind, at);
+        }
+    }
+
+    fn check(&self, name: &'static str, kind: Kind, scene: &Scene, at: &At<'_>) -> Option<Self::Checked> {
+        self.as_ref().map_or(Some(None), |value| value.check(name, kind, scene, at).map(Some))
+    }
+}
+
+impl<T: Field> Row<T> {
+    /// Whether the file has the key, or one of the group of keys.
+    pub(crate) fn is_spelled(&self, reader: &Reader<'_>) -> bool {
+        let mut keys = Vec::new();
+        if self.name.is_empty() {
+            T::list(self.with(Fallback::Required), "", &mut keys);
+            return keys.iter().any(|key| reader.has(&key.path));
+        }
+        reader.has(self.name)
     }
 }
 
@@ -201,12 +229,15 @@ impl<T> Row<Option<T>> {
 }
 
 impl<T: Keys> Field for Vec<T> {
+    type Checked = Vec<T::Checked>;
+
     fn list(row: Row<Self>, path: &str, all: &mut Vec<Key>) {
         <T as Field>::list(row.of_parts(), path, all);
     }
 
-    fn read(row: Row<Self>, reader: &Reader<'_>) -> Result<Option<Self>, SceneError> {
-        reader.tables(row.name).map(|table| T::read(&table)).collect::<Result<_, _>>().map(Some)
+    fn read(row: Row<Self>, reader: &Reader<'_>) -> Option<Self> {
+        let all: Vec<Option<T>> = reader.tables(row.name).map(|table| T::read(&table)).collect();
+        all.into_iter().collect()
     }
 
     fn write(&self, name: &'static str, writer: &mut Writer) {
@@ -214,21 +245,32 @@ impl<T: Keys> Field for Vec<T> {
             writer.table(name, true, |inner| T::write(table, inner));
         }
     }
+
+    fn find(&self, name: &'static str, _: Kind, at: &At<'_>) {
+        if let Some(words) = most_of(&at.path(name), self.len()) {
+            return at.fault(name, words);
+        }
+        self.iter().enumerate().for_each(|(i, table)| T::find(table, &at.table(&format!("{name}.{i}"))));
+    }
+
+    fn check(&self, name: &'static str, _: Kind, scene: &Scene, at: &At<'_>) -> Option<Self::Checked> {
+        let check = |(i, table): (usize, &T)| T::check(table, scene, &at.table(&format!("{name}.{i}")));
+        let all: Vec<_> = self.iter().enumerate().map(check).collect();
+        all.into_iter().collect()
+    }
 }
 
 /// Makes fields of values. A blanket implementation would overlap with that of tables.
 macro_rules! leaves {
     ($($type:ty),+) => {$(
         impl $crate::declare::Field for $type {
-            fn list(
-                row: $crate::declare::Row<Self>, path: &str, all: &mut Vec<$crate::keys::Key>,
-            ) {
+            type Checked = Self;
+
+            fn list(row: $crate::declare::Row<Self>, path: &str, all: &mut Vec<$crate::keys::Key>) {
                 all.push($crate::declare::key_of_leaf(row, path));
             }
 
-            fn read(
-                row: $crate::declare::Row<Self>, reader: &$crate::reader::Reader<'_>,
-            ) -> Result<Option<Self>, $crate::error::SceneError> {
+            fn read(row: $crate::declare::Row<Self>, reader: &$crate::reader::Reader<'_>) -> Option<Self> {
                 $crate::declare::read_leaf(row, reader)
             }
 
@@ -236,8 +278,14 @@ macro_rules! leaves {
                 writer.pair(name, $crate::declare::Leaf::toml(self));
             }
 
-            fn invalid_value(&self, name: &'static str, kind: $crate::keys::Kind) -> Option<$crate::declare::InvalidValue> {
-                $crate::declare::invalid_value_of_leaf(self, name, kind)
+            fn find(&self, name: &'static str, kind: $crate::keys::Kind, at: &$crate::faults::At<'_>) {
+                $crate::declare::find_leaf(self, name, kind, at);
+            }
+
+            fn check(
+                &self, _: &'static str, kind: $crate::keys::Kind, _: &$crate::scene::Scene, _: &$crate::faults::At<'_>,
+            ) -> Option<Self> {
+                Some($crate::declare::Leaf::as_checked(self, kind))
             }
         }
     )+};
@@ -247,26 +295,36 @@ pub(crate) fn key_of_leaf<T: Leaf>(row: Row<T>, path: &str) -> Key {
     row.key(path, |value| value.toml().to_string())
 }
 
-pub(crate) fn read_leaf<T: Leaf>(row: Row<T>, reader: &Reader<'_>) -> Result<Option<T>, SceneError> {
+pub(crate) fn read_leaf<T: Leaf>(row: Row<T>, reader: &Reader<'_>) -> Option<T> {
     if let Some(said) = reader.said(row.name) {
-        return Ok(Some(said));
+        return Some(said);
     }
-    match row.default {
-        Fallback::Required => {
-            let expected = row.kind.expected_in(row.unit);
-            Err(reader.fault(row.name, format!("is missing: expected {expected}")))
-        }
-        default => Ok(default.value(reader.published())),
+    if reader.has(row.name) {
+        return None;
+    }
+    if let Fallback::Required = row.default {
+        reader.at.fault(row.name, format!("is missing: expected {}", row.kind.expected_in(row.unit)));
+    }
+    row.default.value(reader.published())
+}
+
+pub(crate) fn find_leaf<T: Leaf + std::fmt::Debug>(value: &T, name: &str, kind: Kind, at: &At<'_>) {
+    if !value.fits(kind) {
+        let of = if value.is_number() { format!(", of magnitude {SMALLEST:e} to {LARGEST:e}") } else { String::new() };
+        at.fault(name, format!("expected {}{of}, found {value:?}", kind.expected()));
     }
 }
 
-pub(crate) fn invalid_value_of_leaf<T: Leaf + std::fmt::Debug>(
-    value: &T,
-    key: &'static str,
-    kind: Kind,
-) -> Option<InvalidValue> {
-    let expected = || format!("{}, of magnitude {SMALLEST:e} to {LARGEST:e}", kind.expected());
-    (!value.fits(kind)).then(|| InvalidValue { key, expected: expected(), found: format!("{value:?}") })
+/// The struct of a table of which every key has a default.
+pub(crate) fn of_defaults<T: Keys>() -> T {
+    let (document, faults) = (Document::default(), Faults::default());
+    // `with defaults` stands only at tables that an empty file reads; tests/format.rs reads one.
+    T::read(&Reader::new(&document, faults.root())).expect("every key of the table has a default")
+}
+
+/// Whether a number can be computed with.
+pub(crate) fn is_computable(x: f64) -> bool {
+    x == 0.0 || MAGNITUDES.contains(&x.abs())
 }
 
 /// A number as TOML, as short as reads back to the same bits: 1.46e-7, not 0.000000146.
@@ -284,7 +342,11 @@ impl Leaf for f64 {
     }
 
     fn fits(&self, kind: Kind) -> bool {
-        kind.holds(*self) && (*self == 0.0 || MAGNITUDES.contains(&self.abs()))
+        kind.holds(*self) && is_computable(*self)
+    }
+
+    fn is_number(&self) -> bool {
+        true
     }
 }
 
@@ -296,6 +358,10 @@ impl Leaf for u32 {
     fn toml(&self) -> Toml {
         i64::from(*self).into()
     }
+
+    fn fits(&self, kind: Kind) -> bool {
+        kind.counts(u64::from(*self))
+    }
 }
 
 impl Leaf for u64 {
@@ -305,6 +371,10 @@ impl Leaf for u64 {
 
     fn toml(&self) -> Toml {
         i64::try_from(*self).unwrap_or(i64::MAX).into()
+    }
+
+    fn fits(&self, kind: Kind) -> bool {
+        kind.counts(*self)
     }
 }
 
@@ -336,27 +406,37 @@ impl Leaf for [f64; 3] {
     fn toml(&self) -> Toml {
         Toml::from_iter(self.map(number))
     }
+
+    fn fits(&self, kind: Kind) -> bool {
+        self.iter().all(|x| is_computable(*x)) && (kind != Kind::Direction || *self != [0.0; 3])
+    }
+
+    fn is_number(&self) -> bool {
+        true
+    }
+
+    /// A direction is a unit vector. One that is so already is left alone, so that its bits stay.
+    fn as_checked(&self, kind: Kind) -> Self {
+        let v = DVec3::from_array(*self);
+        let is_unit = (v.length_squared() - 1.0).abs() < 4.0 * f64::EPSILON;
+        if kind == Kind::Direction && !is_unit { v.normalize_or_zero().to_array() } else { *self }
+    }
 }
 
 leaves!(f64, u32, u64, bool, String, [f64; 3]);
 
 /// Declares a table of the scene file and its struct: see the head of this file.
 macro_rules! table {
+    // A checked scene has the same struct, or what it becomes.
     (
         $(#[$meta:meta])*
-        $vis:vis struct $name:ident $(, checked by $check:path)? {
+        $vis:vis struct $name:ident $(, with $defaults:ident)? $(, checked by $check:path)?
+        $(, becomes $becomes:ty, by $make:path)? {
             $(
                 $(#[doc = $doc:literal])+
-                $field:ident $(as $key:literal)?: $type:ty = $kind:expr, $unit:tt, $default:expr
-                $(=> |$reader:ident| $without:expr)?;
+                $field:ident $(as $key:literal)?: $type:ty = $kind:expr, $unit:tt, $default:expr;
             )*
         }
-        $(without a field {
-            $(
-                $(#[doc = $extra_doc:literal])+
-                $extra:ident: $extra_type:ty = $extra_kind:expr, $extra_unit:tt, $extra_default:expr;
-            )*
-        })?
     ) => {
         $(#[$meta])*
         $vis struct $name {
@@ -368,38 +448,310 @@ macro_rules! table {
         }
 
         impl $crate::declare::Keys for $name {
+            type Checked = $crate::declare::either!($name $(, $becomes)?);
+
             fn list(path: &str, all: &mut Vec<$crate::keys::Key>) {
                 $(
                     let row = $crate::declare::row!($field $($key)?, $kind, $unit, $default, $($doc)+);
                     <$type as $crate::declare::Field>::list(row, path, all);
                 )*
-                $($(
-                    let row = $crate::declare::row!($extra, $extra_kind, $extra_unit, $extra_default, $($extra_doc)+);
-                    <$extra_type as $crate::declare::Field>::list(row, path, all);
-                )*)?
             }
 
-            fn read(reader: &$crate::reader::Reader<'_>) -> Result<Self, $crate::error::SceneError> {
+            fn read(reader: &$crate::reader::Reader<'_>) -> Option<Self> {
                 $(
                     let row = $crate::declare::row!($field $($key)?, $kind, $unit, $default, $($doc)+);
-                    let $field = match <$type as $crate::declare::Field>::read(row, reader)? {
-                        Some(value) => value,
-                        None => $crate::declare::without!(reader, $field $(, |$reader| $without)?),
-                    };
+                    let $field = <$type as $crate::declare::Field>::read(row, reader);
                 )*
-                let read = Self { $($field),* };
-                $(let read = $check(read, reader)?;)?
-                Ok(read)
+                Some(Self { $($field: $field?),* })
             }
 
             fn write(&self, writer: &mut $crate::write::Writer) {
                 $($crate::declare::Field::write(&self.$field, $crate::declare::name!($field $($key)?), writer);)*
             }
 
-            fn invalid_value(&self) -> Option<$crate::declare::InvalidValue> {
-                None$(.or_else(|| {
-                    $crate::declare::Field::invalid_value(&self.$field, $crate::declare::name!($field $($key)?), $kind)
-                }))*
+            fn find(&self, at: &$crate::faults::At<'_>) {
+                $($crate::declare::Field::find(&self.$field, $crate::declare::name!($field $($key)?), $kind, at);)*
+            }
+
+            fn check(&self, scene: &$crate::scene::Scene, at: &$crate::faults::At<'_>) -> Option<Self::Checked> {
+                $(
+                    let name = $crate::declare::name!($field $($key)?);
+                    let $field = $crate::declare::Field::check(&self.$field, name, $kind, scene, at);
+                )*
+                let checked = Self { $($field: $field?),* };
+                $($check(&checked, at);)?
+                $(let checked = $make(&checked, at)?;)?
+                Some(checked)
+            }
+        }
+
+        $($crate::declare::defaults!($name, $defaults);)?
+    };
+    // A checked scene has another struct.
+    (
+        $(#[$meta:meta])*
+        $vis:vis struct $name:ident => $checked:ident $(, with $defaults:ident)? $(, checked by $check:path)? {
+            $(
+                $(#[doc = $doc:literal])+
+                $field:ident $(as $key:literal)?: $type:ty $(as $other:ty)? = $kind:expr, $unit:tt, $default:expr
+                $(=> $how:ident $((|$scene:ident| $value:expr))?)?;
+            )*
+        }
+        $(and before the check {
+            $(
+                $(#[doc = $extra_doc:literal])+
+                $extra:ident $(as $extra_key:literal)?: $extra_type:ty = $extra_kind:expr, $extra_unit:tt, $extra_default:expr;
+            )*
+        })?
+    ) => {
+        $(#[$meta])*
+        $vis struct $name {
+            $(
+                $(#[doc = $doc])+
+                #[doc = $crate::declare::unit_note!($unit)]
+                $vis $field: $crate::declare::option!($type $(, $how)?),
+            )*
+            $($(
+                $(#[doc = $extra_doc])+
+                #[doc = $crate::declare::unit_note!($extra_unit)]
+                $vis $extra: $extra_type,
+            )*)?
+        }
+
+        $(#[$meta])*
+        #[doc = ""]
+        #[doc = concat!("In a checked scene, with every value; [`", stringify!($name), "`] is the one that people write.")]
+        $vis struct $checked {
+            $(
+                $(#[doc = $doc])+
+                #[doc = $crate::declare::unit_note!($unit)]
+                $vis $field: $crate::declare::either!($type $(, $other)?),
+            )*
+        }
+
+        impl $crate::declare::Keys for $name {
+            type Checked = $checked;
+
+            fn list(path: &str, all: &mut Vec<$crate::keys::Key>) {
+                $(
+                    let row = $crate::declare::row!($field $($key)?, $kind, $unit, $default, $($doc)+);
+                    <$type as $crate::declare::Field>::list(row, path, all);
+                )*
+                $($(
+                    let row = $crate::declare::row!($extra $($extra_key)?, $extra_kind, $extra_unit, $extra_default, $($extra_doc)+);
+                    <$extra_type as $crate::declare::Field>::list(row, path, all);
+                )*)?
+            }
+
+            fn read(reader: &$crate::reader::Reader<'_>) -> Option<Self> {
+                $(
+                    let row = $crate::declare::row!($field $($key)?, $kind, $unit, $default, $($doc)+);
+                    let $field = $crate::declare::read!($type, row, reader $(, $how)?);
+                )*
+                $($(
+                    let row = $crate::declare::row!($extra $($extra_key)?, $extra_kind, $extra_unit, $extra_default, $($extra_doc)+);
+                    let $extra = <$extra_type as $crate::declare::Field>::read(row, reader);
+                )*)?
+                Some(Self { $($field: $field?,)* $($($extra: $extra?),*)? })
+            }
+
+            fn write(&self, writer: &mut $crate::write::Writer) {
+                $($crate::declare::Field::write(&self.$field, $crate::declare::name!($field $($key)?), writer);)*
+                $($($crate::declare::Field::write(&self.$extra, $crate::declare::name!($extra $($extra_key)?), writer);)*)?
+            }
+
+            fn find(&self, at: &$crate::faults::At<'_>) {
+                $($crate::declare::Field::find(&self.$field, $crate::declare::name!($field $($key)?), $kind, at);)*
+                $($($crate::declare::Field::find(
+                    &self.$extra, $crate::declare::name!($extra $($extra_key)?), $extra_kind, at,
+                );)*)?
+            }
+
+            fn check(&self, scene: &$crate::scene::Scene, at: &$crate::faults::At<'_>) -> Option<Self::Checked> {
+                $(
+                    let name = $crate::declare::name!($field $($key)?);
+                    let $field = $crate::declare::Field::check(&self.$field, name, $kind, scene, at);
+                )*
+                $(let $field = $field?;)*
+                $(let $field = $crate::declare::resolved!($field, scene $(, $default, $how $(|$scene| $value)?)?);)*
+                #[allow(unused_mut)]
+                let mut checked = $checked { $($field),* };
+                $($check(self, &mut checked, scene, at);)?
+                Some(checked)
+            }
+        }
+
+        $($crate::declare::defaults!($name, $defaults);)?
+    };
+}
+
+/// Declares a choice of tables and its enum: the keys of one of the tables, which a key of its own names, or else the
+/// needed keys that no other table has.
+macro_rules! variants {
+    // Without a key that names the table.
+    ($(#[$meta:meta])* $vis:vis enum $name:ident { $($variants:tt)+ }) => {
+        $crate::declare::variants! {
+            @make "" = Fallback::Required, "", $name; $(#[$meta])* $vis enum $name { $($variants)+ }
+        }
+    };
+    // With one, and the same tables in a checked scene.
+    (
+        $(#[$meta:meta])* $vis:vis enum $name:ident by $tag:literal = $default:expr, $doc:literal { $($variants:tt)+ }
+    ) => {
+        $crate::declare::variants! {
+            @make $tag = $default, $doc, $name; $(#[$meta])* $vis enum $name { $($variants)+ }
+        }
+    };
+    // With one, and other tables in a checked scene.
+    (
+        $(#[$meta:meta])*
+        $vis:vis enum $name:ident => $checked:ident by $tag:literal = $default:expr, $doc:literal { $($variants:tt)+ }
+    ) => {
+        $crate::declare::variants! { @checked $(#[$meta])* $vis enum $checked { $($variants)+ } }
+        $crate::declare::variants! {
+            @make $tag = $default, $doc, $checked; $(#[$meta])* $vis enum $name { $($variants)+ }
+        }
+    };
+    (
+        @make $tag:literal = $default:expr, $doc:literal, $checked:ident;
+        $(#[$meta:meta])*
+        $vis:vis enum $name:ident {
+            $($(#[$of_variant:meta])* $variant:ident($inner:ty $(as $other:ty)?) = $word:literal,)+
+        }
+    ) => {
+        $(#[$meta])*
+        $vis enum $name {
+            $($(#[$of_variant])* $variant($inner),)+
+        }
+
+        impl $name {
+            /// Words that name the variants: those of the key, or for people where there is no key.
+            const WORDS: &'static [&'static str] = &[$($word),+];
+
+            fn choice() -> $crate::variants::Choice {
+                let mut tables = Vec::new();
+                $({
+                    let mut keys = Vec::new();
+                    <$inner as $crate::declare::Keys>::list("", &mut keys);
+                    let of_key = concat!("needed with ", $tag, " ", $word);
+                    tables.push((if $tag.is_empty() { concat!("needed with ", $word) } else { of_key }, keys));
+                })+
+                let kind = $crate::keys::Kind::Choice(Self::WORDS);
+                let row = $crate::declare::Row { name: $tag, kind, unit: "", doc: $doc, default: $default };
+                $crate::variants::Choice { words: Self::WORDS, tables, tag: (!$tag.is_empty()).then_some(row) }
+            }
+        }
+
+        impl $crate::declare::Keys for $name {
+            type Checked = $checked;
+
+            fn list(path: &str, all: &mut Vec<$crate::keys::Key>) {
+                Self::choice().list(path, all);
+            }
+
+            fn read(reader: &$crate::reader::Reader<'_>) -> Option<Self> {
+                type Read = fn(&$crate::reader::Reader<'_>) -> Option<$name>;
+                const READ: &[Read] = &[
+                    $(|reader| <$inner as $crate::declare::Keys>::read(reader).map($name::$variant)),+
+                ];
+                READ[Self::choice().of(reader)?](reader)
+            }
+
+            fn write(&self, writer: &mut $crate::write::Writer) {
+                match self {
+                    $(Self::$variant(inner) => {
+                        writer.word($tag, $word);
+                        $crate::declare::Keys::write(inner, writer);
+                    })+
+                }
+            }
+
+            fn find(&self, at: &$crate::faults::At<'_>) {
+                match self {
+                    $(Self::$variant(inner) => $crate::declare::Keys::find(inner, at)),+
+                }
+            }
+
+            fn check(&self, scene: &$crate::scene::Scene, at: &$crate::faults::At<'_>) -> Option<$checked> {
+                match self {
+                    $(Self::$variant(inner) => {
+                        $crate::declare::Keys::check(inner, scene, at).map($checked::$variant)
+                    })+
+                }
+            }
+        }
+    };
+    (
+        @checked $(#[$meta:meta])* $vis:vis enum $checked:ident {
+            $($(#[$of_variant:meta])* $variant:ident($inner:ty $(as $other:ty)?) = $word:literal,)+
+        }
+    ) => {
+        $(#[$meta])*
+        $vis enum $checked {
+            $($(#[$of_variant])* $variant($crate::declare::either!($inner $(, $other)?)),)+
+        }
+    };
+}
+
+/// The second type where there is one.
+macro_rules! either {
+    ($one:ty) => {
+        $one
+    };
+    ($one:ty, $other:ty) => {
+        $other
+    };
+}
+
+/// Type of a field that may be left to the check.
+macro_rules! option {
+    ($type:ty) => {
+        $type
+    };
+    ($type:ty, $how:ident) => {
+        Option<$type>
+    };
+}
+
+/// Reads a field that may be left to the check.
+macro_rules! read {
+    ($type:ty, $row:ident, $reader:ident) => {
+        <$type as $crate::declare::Field>::read($row, $reader)
+    };
+    ($type:ty, $row:ident, $reader:ident, $how:ident) => {
+        if $row.is_spelled($reader) {
+            <$type as $crate::declare::Field>::read($row, $reader).map(Some)
+        } else {
+            Some(None)
+        }
+    };
+}
+
+/// Value of a field in a checked scene.
+macro_rules! resolved {
+    ($field:ident, $scene:ident) => {
+        $field
+    };
+    ($field:ident, $scene:ident, $default:expr, method) => {
+        $field.or_else(|| $default.value($scene.method == $crate::scene::Method::Published))?
+    };
+    ($field:ident, $scene:ident, $default:expr, $how:ident |$own:ident| $value:expr) => {
+        match $field {
+            Some(value) => value,
+            None => {
+                let $own = $scene;
+                $value
+            }
+        }
+    };
+}
+
+/// Makes a struct of which every key has a default.
+macro_rules! defaults {
+    ($name:ident, defaults) => {
+        impl Default for $name {
+            fn default() -> Self {
+                $crate::declare::of_defaults()
             }
         }
     };
@@ -426,17 +778,6 @@ macro_rules! name {
     ($field:ident $key:literal) => {
         $key
     };
-}
-
-/// Value of a field that the file does not say and that has no default.
-macro_rules! without {
-    ($reader:ident, $field:ident) => {
-        return Err($reader.fault(stringify!($field), "is missing"))
-    };
-    ($reader:ident, $field:ident, |$own:ident| $value:expr) => {{
-        let $own = $reader;
-        $value
-    }};
 }
 
 /// The end of a field's documentation: its unit.
@@ -501,4 +842,4 @@ macro_rules! words {
     };
 }
 
-pub(crate) use {leaves, name, row, table, unit_note, without, words};
+pub(crate) use {defaults, either, leaves, name, option, read, resolved, row, table, unit_note, variants, words};

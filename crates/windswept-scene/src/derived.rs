@@ -2,7 +2,7 @@
 //! them: bounds of rest, by a strand's stiffness and weight. `tests/strands.rs` does, by formulas.
 
 use crate::{
-    scene::Scene,
+    scene::SceneValues,
     strands::{End, Strands},
 };
 
@@ -40,7 +40,7 @@ impl Strands {
     /// beam) and
     /// 1.446 g/L where it hangs (hanging chain).
     #[must_use]
-    pub fn rest(&self, s: usize, scene: &Scene) -> Rest {
+    pub fn rest(&self, s: usize, scene: &SceneValues) -> Rest {
         let segments = self.segments(s);
         let length: f64 = self.rest_length[segments.clone()].iter().sum();
         let mass: f64 = self.inverse_mass[self.points(s)].iter().filter(|w| **w > 0.0).map(|w| 1.0 / w).sum();

@@ -3,19 +3,17 @@
 use std::{
     collections::{BTreeMap, HashSet},
     ops::Range,
-    path::{Component, Path, PathBuf},
+    path::{Component, Path},
 };
 
-use glam::DVec3;
 use toml_edit::{Document as Toml, Item, TableLike, TomlError, Value};
 
 use crate::{
-    declare::join,
+    declare::{is_computable, join},
     error::SceneError,
+    faults::{At, Faults},
     keys::{KEYS, Key, Kind},
-    limits::{
-        LARGEST, MAGNITUDES, MAX_BANDS, MAX_BODIES, MAX_FORCES, MAX_HAIR_GROUPS, MAX_STRENGTH_KEYFRAMES, SMALLEST,
-    },
+    limits::{LARGEST, MAX_BANDS, MAX_BODIES, MAX_FORCES, MAX_HAIR_GROUPS, MAX_STRENGTH_KEYFRAMES, SMALLEST},
 };
 
 /// A checked value.
@@ -28,6 +26,8 @@ pub(crate) enum Datum {
     Vector([f64; 3]),
     /// A table, or an array of this many.
     Tables(usize),
+    /// A value that the key does not take; its fault is known.
+    Wrong,
 }
 
 #[derive(Debug, Clone)]
@@ -44,69 +44,78 @@ pub(crate) struct Document {
     called: BTreeMap<String, String>,
     /// The names that count.
     taken: HashSet<String>,
-    /// Folder of the scene's file, which paths start from; `None` for text from elsewhere, whose paths start from the
-    /// current directory or are absolute.
-    pub(crate) folder: Option<PathBuf>,
+    /// Whether paths start from the folder of the scene's file. Those of a text from elsewhere start from the current
+    /// directory, or are absolute.
+    in_folder: bool,
 }
 
 /// A table and its place.
 type Place<'a> = (&'a dyn TableLike, Option<Range<usize>>);
 
 impl Document {
+    /// Reads a text. Faults are unknown keys, wrong types, values out of range, and absolute paths in a scene's file;
+    /// `folder` is the one of the scene's file, if it is from one.
+    ///
     /// # Errors
-    /// [`SceneError`] for wrong syntax, unknown keys, wrong types, values out of range, and absolute paths in a scene's file.
-    pub(crate) fn parse(text: &str, folder: Option<&Path>) -> Result<Self, SceneError> {
+    /// [`SceneError`] for wrong syntax.
+    pub(crate) fn parse(text: &str, folder: Option<&Path>, faults: &Faults) -> Result<Self, SceneError> {
         let toml = Toml::parse(text).map_err(|error| syntax(&error))?;
-        let mut document = Self { folder: folder.map(Path::to_owned), ..Self::default() };
-        document.table(toml.as_table(), "", "").map_err(|error| document.shown(error))?;
+        let mut document = Self { in_folder: folder.is_some(), ..Self::default() };
+        document.table(toml.as_table(), "", &faults.root());
         Ok(document)
     }
 
-    /// The error with its key as the user spells it: `hair.fringe.radius`, or `hair.radius` where there is a single
-    /// such table without a name.
+    /// The error with its place in the text, and with its key as the user spells it: `hair.fringe.radius`, or
+    /// `hair.radius` where there is a single such table without a name. A missing key is shown at the table that lacks
+    /// it.
     pub(crate) fn shown(&self, error: SceneError) -> SceneError {
+        let mut place = error.key();
+        let span = loop {
+            match place.map(|place| (place, self.entries.get(place))) {
+                Some((_, Some(entry))) => break entry.span.clone(),
+                Some((missing, None)) => place = missing.rsplit_once('.').map(|(table, _)| table),
+                None => break None,
+            }
+        };
+        let span = error.span().or(span);
         let lone = |key: &&str| matches!(self.entries.get(*key), Some(Entry { datum: Datum::Tables(1), .. }));
         // Once only: a name may be the index of another table.
         let named = self.called.iter().find_map(|(real, called)| error.renamed(real, called)).unwrap_or(error);
         let lone = ["hair", "body", "force"].into_iter().filter(lone);
-        lone.fold(named, |error, table| error.renamed(&format!("{table}.0"), table).unwrap_or(error))
+        lone.fold(named, |error, table| error.renamed(&format!("{table}.0"), table).unwrap_or(error)).with_span(span)
     }
 
-    /// Checks the keys of a table; `path` is without indices, `real` with them.
-    fn table(&mut self, table: &dyn TableLike, path: &str, real: &str) -> Result<(), SceneError> {
+    /// Checks the keys of a table; `path` is without indices, that of `at` with them.
+    fn table(&mut self, table: &dyn TableLike, path: &str, at: &At<'_>) {
         for (name, item) in table.iter() {
-            let (path, real) = (join(path, name), join(real, name));
+            let path = join(path, name);
             let place = table.key(name).and_then(toml_edit::Key::span).or_else(|| item.span());
-            let Some(key) = Key::find(&path) else {
-                return Err(unknown(&path, &real).with_span(place));
-            };
-            self.item(key, item, &real, place)?;
+            match Key::find(&path) {
+                Some(key) => self.item(key, item, name, at, place),
+                None => at.add(unknown(&path, &at.path(name)).with_span(place)),
+            }
         }
-        Ok(())
     }
 
-    fn item<'a>(
-        &mut self,
-        key: &Key,
-        item: &'a Item,
-        real: &str,
-        span: Option<Range<usize>>,
-    ) -> Result<(), SceneError> {
-        let wrong = |found: String| {
-            SceneError::new(format!("expected {}, found {found}", key.expected())).at(real, span.clone())
-        };
+    fn item<'a>(&mut self, key: &Key, item: &'a Item, name: &str, at: &At<'_>, span: Option<Range<usize>>) {
+        let real = at.path(name);
+        let fault = |words: String| at.add(SceneError::new(words).at(&*real, span.clone()));
+        let wrong = |found: String| fault(format!("expected {}, found {found}", key.expected()));
         if !matches!(key.kind, Kind::Table | Kind::Tables) {
-            let Item::Value(value) = item else {
-                return Err(wrong(describe(item)));
+            let Item::Value(value) = item else { return wrong(describe(item)) };
+            let Some(datum) = datum(key.kind, value) else {
+                // Not missing as well.
+                self.entries.insert(real.clone(), Entry { datum: Datum::Wrong, span: span.clone() });
+                return wrong(describe_for(key.kind, item));
             };
-            let datum = datum(key.kind, value).ok_or_else(|| wrong(describe_for(key.kind, item)))?;
-            if let (Kind::Path, Datum::Text(file), Some(_)) = (key.kind, &datum, &self.folder)
+            if let (Kind::Path, Datum::Text(file), true) = (key.kind, &datum, self.in_folder)
                 && is_rooted(file)
             {
-                return Err(wrong(describe(item)));
+                self.entries.insert(real.clone(), Entry { datum: Datum::Wrong, span: span.clone() });
+                return wrong(describe(item));
             }
-            self.entries.insert(real.to_owned(), Entry { datum, span });
-            return Ok(());
+            self.entries.insert(real, Entry { datum, span });
+            return;
         }
         let tables: Vec<Place<'a>> = match (key.kind, item) {
             (_, Item::Table(table)) => vec![(table, span.clone())],
@@ -115,49 +124,48 @@ impl Document {
                 array.iter().map(|table| (table as _, table.span())).collect()
             }
             (Kind::Tables, Item::Value(Value::Array(array))) => {
-                let inline = |value: &'a Value| {
-                    let table = value.as_inline_table();
-                    table
-                        .map(|table| (table as &dyn TableLike, table.span()))
-                        .ok_or_else(|| wrong(format!("{} in it", short(&value.to_string()))))
-                };
-                array.iter().map(inline).collect::<Result<_, _>>()?
+                let inline =
+                    |value: &'a Value| Ok((value.as_inline_table().ok_or(value)? as &dyn TableLike, value.span()));
+                match array.iter().map(inline).collect::<Result<_, &Value>>() {
+                    Ok(tables) => tables,
+                    Err(value) => return wrong(format!("{} in it", short(&value.to_string()))),
+                }
             }
-            (_, other) => return Err(wrong(describe(other))),
+            (_, other) => return wrong(describe(other)),
         };
         // Before any of them is looked at.
-        if let Some((most, what)) = most_of(&key.path).filter(|(most, _)| tables.len() > *most) {
-            let words = format!("expected at most {most} {what}, found {}", tables.len());
-            return Err(SceneError::new(words).at(real, span));
+        if let Some(words) = most_of(&key.path, tables.len()) {
+            return fault(words);
         }
-        let datum = Datum::Tables(tables.len());
-        self.entries.insert(real.to_owned(), Entry { datum, span });
+        self.entries.insert(real.clone(), Entry { datum: Datum::Tables(tables.len()), span });
         for (index, (table, span)) in tables.into_iter().enumerate() {
-            let mut element = real.to_owned();
+            let mut at = at.table(name);
             if key.kind == Kind::Tables {
-                element = format!("{real}.{index}");
+                at = at.table(&index.to_string());
+                let element = at.path("");
                 self.entries.insert(element.clone(), Entry { datum: Datum::Tables(1), span });
                 let called = table.get("name").and_then(Item::as_str).map(|name| format!("{real}.{name}"));
                 if let Some(called) = called.filter(|called| self.taken.insert(called.clone())) {
-                    self.called.insert(element.clone(), called);
+                    self.called.insert(element, called);
                 }
             }
-            self.table(table, &key.path, &element)?;
+            self.table(table, &key.path, &at);
         }
-        Ok(())
     }
 }
 
-/// Most tables of an array, and what they are; `None` where only the length of the file says how many there are.
-fn most_of(path: &str) -> Option<(usize, &'static str)> {
-    match path {
-        "hair" => Some((MAX_HAIR_GROUPS, "groups of strands")),
-        "body" => Some((MAX_BODIES, "bodies")),
-        "force" => Some((MAX_FORCES, "force fields")),
-        "turbulence.bands" => Some((MAX_BANDS, "bands")),
-        "air.gust" => Some((MAX_STRENGTH_KEYFRAMES, "gusts")),
-        _ => None,
-    }
+/// Fault of so many tables in the array at this path; `None` where only the length of the file says how many there may
+/// be.
+pub(crate) fn most_of(path: &str, found: usize) -> Option<String> {
+    let (most, what) = match path {
+        "hair" => (MAX_HAIR_GROUPS, "groups of strands"),
+        "body" => (MAX_BODIES, "bodies"),
+        "force" => (MAX_FORCES, "force fields"),
+        "turbulence.bands" => (MAX_BANDS, "bands"),
+        "air.gust" => (MAX_STRENGTH_KEYFRAMES, "gusts"),
+        _ => return None,
+    };
+    (found > most).then(|| format!("expected at most {most} {what}, found {found}"))
 }
 
 /// Whether a path starts elsewhere than in the folder that it is looked for in.
@@ -182,7 +190,7 @@ fn datum(kind: Kind, value: &Value) -> Option<Datum> {
             number(value).filter(|x| kind.holds(*x)).map(Datum::Number)
         }
         Kind::Vector => vector(value).map(Datum::Vector),
-        Kind::Direction => vector(value).filter(|v| v.iter().any(|x| *x != 0.0)).map(unit).map(Datum::Vector),
+        Kind::Direction => vector(value).filter(|v| *v != [0.0; 3]).map(Datum::Vector),
         Kind::Choice(words) => {
             value.as_str().filter(|word| words.contains(word)).map(|word| Datum::Text(word.to_owned()))
         }
@@ -190,17 +198,10 @@ fn datum(kind: Kind, value: &Value) -> Option<Datum> {
     }
 }
 
-/// The direction of a vector that is not zero. A unit vector is left alone, so that writing a scene and reading it
-/// again gives the same.
-fn unit(v: [f64; 3]) -> [f64; 3] {
-    let v = DVec3::from_array(v);
-    if (v.length_squared() - 1.0).abs() < 4.0 * f64::EPSILON { v.to_array() } else { v.normalize().to_array() }
-}
-
 /// A number that can be computed with.
 fn number(value: &Value) -> Option<f64> {
     let number = value.as_float().or_else(|| value.as_integer().map(|n| n as f64))?;
-    (number == 0.0 || MAGNITUDES.contains(&number.abs())).then_some(number)
+    is_computable(number).then_some(number)
 }
 
 /// Description of what stands in place of a value of this kind: of three numbers, the one that cannot be computed with.

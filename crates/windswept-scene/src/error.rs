@@ -2,12 +2,14 @@
 
 use std::{borrow::Cow, fmt, ops::Range};
 
+use crate::declare::join;
+
 /// A scene that cannot be taken. Says the file, the line, the key, what was expected, and the nearest key if there is
-/// one.
+/// one. Where a scene has several faults, it is the first of them, and has the [`Self::others`].
 ///
 /// Keys, names and paths that it quotes may be of a stranger's file: control characters in them are spelled, `\u{1b}`,
 /// so that none reaches a terminal. [`Self::source_text`] alone is as it was read, as spans count its bytes.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct SceneError(Box<Fault>);
 
@@ -21,6 +23,7 @@ struct Fault {
     source_text: String,
     /// The text is an argument of the command, which has no lines.
     argument: bool,
+    others: Vec<SceneError>,
 }
 
 /// The text with its control characters spelled, `\u{1b}`, as a terminal may show it; all others stay. A spelled
@@ -43,10 +46,30 @@ impl SceneError {
         Self(Box::new(Fault { message, ..Fault::default() }))
     }
 
+    /// One error of several faults; `None` where there is none.
+    pub(crate) fn of_all(faults: impl IntoIterator<Item = Self>) -> Option<Self> {
+        let mut faults = faults.into_iter();
+        let mut first = faults.next()?;
+        first.0.others.extend(faults);
+        Some(first)
+    }
+
+    /// Faults that were found besides this one.
+    #[must_use]
+    pub fn others(&self) -> &[Self] {
+        &self.0.others
+    }
+
     pub(crate) fn at(mut self, key: impl Into<String>, span: Option<Range<usize>>) -> Self {
         self.0.key = Some(spelled(&key.into()).into_owned());
         self.0.span = span;
         self
+    }
+
+    /// The error with its key in the table at `path`.
+    pub(crate) fn within(self, path: &str) -> Self {
+        let key = join(path, self.key().unwrap_or_default());
+        self.at(key, None)
     }
 
     /// The error with its key as one spells it: `hair.length`, not `hair.0.length`; `None` if the key is not in the
@@ -141,7 +164,14 @@ impl fmt::Display for SceneError {
         if let Some(help) = &self.0.help {
             write!(f, "; {help}")?;
         }
-        Ok(())
+        self.0.others.iter().try_for_each(|other| write!(f, "\n{other}"))
+    }
+}
+
+/// As it is displayed, so that a `main` that returns it shows what a user can read.
+impl fmt::Debug for SceneError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
     }
 }
 

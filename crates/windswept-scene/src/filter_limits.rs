@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use crate::{
     limits::{MAX_NODES, MAX_PAIRS, MAX_PRODUCTS, PAIRS_PER_ROW},
-    scene::{Filter, Turbulence, rounded},
+    scene::{CheckedTurbulence, DirectFilter, Filter, GridFilter, rounded},
 };
 
 /// A quantity of which a band's filter would have too much.
@@ -18,18 +18,20 @@ pub struct Excess {
     pub expected: String,
 }
 
-impl Turbulence {
+impl CheckedTurbulence {
     /// Whether a band of `scale` \[m\] would be too much for its filter, in a box of `size` \[m\] with so many
     /// particles of air.
     #[must_use]
     pub fn excess(&self, scale: f64, kernel_radius: f64, particles: f64, size: DVec3) -> Option<Excess> {
         match self.filter {
-            Filter::Grid => {
+            Filter::Grid(GridFilter { spacing }) => {
                 let nodes = self.nodes(scale, kernel_radius, size);
-                excess_of_nodes(scale, self.spacing * scale < kernel_radius, nodes)
+                excess_of_nodes(scale, spacing * scale < kernel_radius, nodes)
                     .or_else(|| excess_of_taps(scale, nodes, size))
             }
-            Filter::Direct => excess_of_pairs(scale, self.cutoff * scale, kernel_radius, particles, size),
+            Filter::Direct(DirectFilter { cutoff }) => {
+                excess_of_pairs(scale, cutoff * scale, kernel_radius, particles, size)
+            }
         }
     }
 }
@@ -50,7 +52,7 @@ fn excess_of_nodes(scale: f64, apart_by_scale: bool, nodes: [f64; 3]) -> Option<
 /// Taps are fitted to all waves of an axis.
 fn excess_of_taps(scale: f64, nodes: [f64; 3], size: DVec3) -> Option<Excess> {
     let fits = |(nodes, side): (f64, f64)| {
-        let reach = Turbulence::reach(side / nodes / scale) as f64;
+        let reach = CheckedTurbulence::reach(side / nodes / scale) as f64;
         let taps = reach.min(nodes / 2.0);
         let most = (MAX_PRODUCTS / nodes).sqrt();
         (taps > most).then(|| Excess {
@@ -86,12 +88,13 @@ mod tests {
     /// that would do; what scenes have is not.
     #[test]
     fn filters_that_take_too_much_are_named() {
-        let grid = crate::Scene::parse(include_str!("../../../examples/scenes/quick.toml")).unwrap().turbulence;
-        let direct = Turbulence { filter: Filter::Direct, ..grid.clone() };
+        let grid = crate::Scene::parse(include_str!("../../../examples/scenes/quick.toml")).unwrap();
+        let grid = grid.check().unwrap().turbulence.clone();
+        let direct = CheckedTurbulence { filter: Filter::Direct(DirectFilter::default()), ..grid.clone() };
         let (radius, small) = (9.3e-3, DVec3::new(0.2, 0.1, 0.1));
         let particles = |size: DVec3| size.element_product() / 1.13e-7;
         let thin = |length: f64| DVec3::new(length, 0.028, 0.028);
-        let excess = |turbulence: &Turbulence, scale: f64, size: DVec3| {
+        let excess = |turbulence: &CheckedTurbulence, scale: f64, size: DVec3| {
             turbulence
                 .excess(scale, radius, particles(size), size)
                 .map(|excess| format!("{}; {}", excess.what, excess.expected))

@@ -4,13 +4,12 @@ use glam::DVec3;
 
 use crate::{
     declare::{table, words},
-    error::SceneError,
+    faults::At,
     keys::{
         Fallback::{Derived, Required, Value},
         Kind::{Choice, Direction, Length, NonNegative, Number, Tables, Text, Vector},
     },
-    reader::Reader,
-    scene::{Air, Model, Scene},
+    scene::{CheckedAir, Model, Scene, SceneValues},
     wind::check_speed,
 };
 
@@ -32,7 +31,7 @@ table! {
     /// Air particles are drawn to U + u at the rate w S/uptake, S the strength's magnitude. Hair is dragged by U + u
     /// where there are no air particles.
     #[derive(Debug, Clone, PartialEq)]
-    pub struct Force, checked by Force::checked {
+    pub struct Force => CheckedForce, checked by Force::check {
         /// Name of the field, for dotted keys and errors.
         name: String = Text, "", Value("force".to_owned());
         /// Shape of the field's wind: along the axis, about it, or away from the origin.
@@ -46,9 +45,9 @@ table! {
         reach: f64 = Length, "m", Required;
         /// Radius of a jet, which fades from half of it on; or distance at which a vortex or a point blows with its
         /// strength: inside it is slower in proportion to the distance. At most half of reach with a vortex or a point.
-        radius: f64 = Length, "m", Derived("a quarter of reach") => |_force| 0.25 * reach;
+        radius: f64 = Length, "m", Derived("a quarter of reach") => value(|_scene| 0.25 * reach);
         /// Way over which air takes the field's wind up, at the strength's speed.
-        uptake: f64 = Length, "m", Derived("radius") => |_force| radius;
+        uptake: f64 = Length, "m", Derived("radius") => value(|_scene| radius);
         /// Largest speed of the field's wind; negative turns it round.
         strength: Option<f64> = Number, "m/s", Derived("needed without keyframes");
         /// Keyframes of the strength, in place of a steady one: linear between them, held before and after.
@@ -67,57 +66,60 @@ table! {
     }
 }
 
+/// Times \[s\], rising, and the strength \[m/s\] at each: of a steady one, or of keyframes.
+fn strengths(steady: Option<f64>, keyframes: &[Strength]) -> Vec<(f64, f64)> {
+    match steady {
+        Some(steady) => vec![(0.0, steady)],
+        None => keyframes.iter().map(|key| (key.time, key.strength)).collect(),
+    }
+}
+
+/// Largest magnitude of a strength \[m/s\], steady or by keyframes.
+pub(crate) fn fastest(steady: Option<f64>, keyframes: &[Strength]) -> f64 {
+    strengths(steady, keyframes).iter().map(|(_, strength)| strength.abs()).fold(0.0, f64::max)
+}
+
 impl Force {
-    fn checked(self, reader: &Reader<'_>) -> Result<Self, SceneError> {
+    fn check(&self, checked: &mut CheckedForce, _: &Scene, at: &At<'_>) {
         let word = self.field.word();
         match (self.field, self.axis) {
             (ForceField::Point, Some(_)) => {
-                return Err(reader.fault("axis", format!("expected no axis with field \"{word}\", which has none")));
+                at.fault("axis", format!("expected no axis with field \"{word}\", which has none"));
             }
             (ForceField::Jet | ForceField::Vortex, None) => {
-                return Err(reader.fault("axis", format!("is missing: field \"{word}\" has one, [x, y, z]")));
+                at.fault("axis", format!("is missing: field \"{word}\" has one, [x, y, z]"));
             }
             _ => {}
         }
-        if self.field != ForceField::Jet && self.radius > 0.5 * self.reach {
+        if self.field != ForceField::Jet && checked.radius > 0.5 * self.reach {
             let words = format!("expected at most half of reach, {} m, with field \"{word}\"", 0.5 * self.reach);
-            return Err(reader.fault("radius", format!("{words}; found {}", self.radius)));
+            at.fault("radius", format!("{words}; found {}", checked.radius));
         }
         match (self.strength, self.keyframes.is_empty()) {
-            (None, true) => {
-                return Err(reader.fault("strength", "is missing: expected a number [m/s], or keyframes"));
-            }
-            (Some(_), false) => {
-                return Err(reader.fault("strength", "expected none beside keyframes, which stand in its place"));
-            }
+            (None, true) => at.fault("strength", "is missing: expected a number [m/s], or keyframes"),
+            (Some(_), false) => at.fault("strength", "expected none beside keyframes, which stand in its place"),
             _ => {}
         }
-        check_speed(reader, "strength", self.strength.unwrap_or_default())?;
+        check_speed(at, "strength", self.strength.unwrap_or_default());
         for (i, key) in self.keyframes.iter().enumerate() {
-            check_speed(reader, &format!("keyframes.{i}.strength"), key.strength)?;
+            check_speed(at, &format!("keyframes.{i}.strength"), key.strength);
         }
-        if let Some(i) = self.keyframes.windows(2).position(|pair| pair[1].time <= pair[0].time) {
-            let (before, after) = (self.keyframes[i].time, self.keyframes[i + 1].time);
-            let words = format!("expected a time after that of the keyframe before, {before} s; found {after}");
-            return Err(reader.fault(&format!("keyframes.{}.time", i + 1), words));
-        }
-        Ok(self)
+        at.rising("keyframes", self.keyframes.iter().map(|key| key.time));
     }
+}
 
+impl CheckedForce {
     /// Times \[s\], rising, and the strength \[m/s\] at each: linear in between, held before the first and after the
     /// last.
     #[must_use]
     pub fn strengths(&self) -> Vec<(f64, f64)> {
-        match self.strength {
-            Some(steady) => vec![(0.0, steady)],
-            None => self.keyframes.iter().map(|key| (key.time, key.strength)).collect(),
-        }
+        strengths(self.strength, &self.keyframes)
     }
 
     /// Largest speed of the field's wind in the whole run \[m/s\].
     #[must_use]
     pub fn fastest(&self) -> f64 {
-        self.strengths().iter().map(|(_, strength)| strength.abs()).fold(0.0, f64::max)
+        fastest(self.strength, &self.keyframes)
     }
 
     /// Whether the field may blow somewhere in a box of these corners \[m\]. A jet counts as round at its ends.
@@ -156,11 +158,12 @@ fn least(f: impl Fn(f64) -> f64, mut low: f64, mut high: f64) -> f64 {
     f(0.5 * (low + high))
 }
 
-impl Scene {
+impl SceneValues {
     /// Largest speed that the mean wind and the strongest force field have together \[m/s\].
     #[must_use]
     pub fn largest_wind(&self) -> f64 {
-        self.air.as_ref().map_or(0.0, Air::largest_wind) + self.forces.iter().map(Force::fastest).fold(0.0, f64::max)
+        self.air.as_ref().map_or(0.0, CheckedAir::largest_wind)
+            + self.forces.iter().map(CheckedForce::fastest).fold(0.0, f64::max)
     }
 
     /// Reason why force fields do nothing in this scene; `None` where they act.

@@ -7,9 +7,10 @@ use crate::{
     curves::Curves,
     declare::{Keys, words},
     error::SceneError,
+    faults::Faults,
     inverse_statics::Hung,
     limits::{LARGEST, MAGNITUDES, MAX_CURVE_POINTS, MAX_HAIR_POINTS, MAX_POINTS_OF_A_STRAND},
-    scene::{CLAMPED_TIP, FRICTION, Fibre, Scene, Solver},
+    scene::{CLAMPED_TIP, FRICTION, Fibre, SceneValues, Solver},
     strand::{AirParticle, Shape, frame, turn, turned_onto},
     strands::{End, Strands},
 };
@@ -26,7 +27,7 @@ pub(crate) const COINCIDENT: f64 = 1e-6;
 /// ```
 /// use windswept_scene::{Fibre, Groom, InitialState, Scene};
 ///
-/// let scene = Scene::parse("time = { step = 1e-3, duration = 1 }\ninteraction = { model = \"none\" }")?;
+/// let scene = Scene::parse("time = { step = 1e-3, duration = 1 }\ninteraction = { model = \"none\" }")?.check()?;
 /// let points = (0..20).map(|k| [0.01 * f64::from(k % 10), 0.0, f64::from(k / 10)]).collect();
 /// let fibres = vec![Fibre::default(), Fibre { radius: 3e-5, ..Fibre::default() }];
 /// let groom = Groom { fibre: fibres.into(), ..Groom::new(points, vec![0, 10, 20]) };
@@ -281,12 +282,11 @@ impl Groom {
         self.fibre.check("fibre", self.len(), "", |_| true)?;
         for (s, fibre) in self.fibre.values().iter().enumerate() {
             let of = self.fibre.of(s);
-            if let Some(invalid_value) = fibre.invalid_value() {
-                let words = format!("expected {}, found {}{of}", invalid_value.expected, invalid_value.found);
-                return Err(fault(invalid_value.key, words));
-            }
-            if fibre.is_overdetermined() {
-                return Err(fault("aspect", format!("{}{of}", Fibre::ROUND)));
+            let faults = Faults::default();
+            Keys::find(fibre, &faults.root());
+            fibre.check(&faults.root());
+            if let Some(found) = faults.into_vec().first() {
+                return Err(fault(found.key().unwrap_or_default(), format!("{}{of}", found.message())));
             }
         }
         Ok(())
@@ -396,7 +396,7 @@ impl Groom {
     /// The strands, in a scene.
     pub(crate) fn strands(
         &self,
-        scene: &Scene,
+        scene: &SceneValues,
         particle: AirParticle,
         warnings: &mut Vec<String>,
     ) -> Result<Strands, SceneError> {
@@ -411,7 +411,7 @@ impl Groom {
     }
 
     /// Appends the strands of a groom that was checked and are simulated, and returns what a user should know of them.
-    pub(crate) fn append(&self, scene: &Scene, particle: AirParticle, all: &mut Strands) -> Vec<String> {
+    pub(crate) fn append(&self, scene: &SceneValues, particle: AirParticle, all: &mut Strands) -> Vec<String> {
         let (mut soft, mut unstable, mut loose) = (0, 0, 0);
         let count = self.simulated().count();
         if !self.ids.is_empty() || count < self.len() {

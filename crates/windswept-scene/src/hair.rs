@@ -13,7 +13,7 @@ use crate::{
     keys::Key,
     limits::MAX_HAIR_POINTS,
     scatter::{Seat, scatter},
-    scene::{Curl, Drawn, Fibre, GroomFile, Hair, HairSource, Patch, RootShape, Roots, Scene},
+    scene::{Curl, Drawn, Fibre, GroomFile, Hair, HairSource, RootPatch, RootShape, Roots, SceneValues},
     strand::{AirParticle, Shape, frame, turn},
     strands::{End, Strands},
 };
@@ -32,7 +32,11 @@ const COARSE_TURN: f64 = PI / 2.0;
 /// # Errors
 /// [`SceneError`] where a groom file cannot be read, or its strands cannot be simulated, and where roots are on a body that is not
 /// there. Its key is a real path, for [`Scene::located`].
-pub(crate) fn strands(scene: &Scene, particle: AirParticle, warnings: &mut Vec<String>) -> Result<Strands, SceneError> {
+pub(crate) fn strands(
+    scene: &SceneValues,
+    particle: AirParticle,
+    warnings: &mut Vec<String>,
+) -> Result<Strands, SceneError> {
     let mut all = Strands { point_offsets: vec![0], ..Strands::default() };
     for (group, hair) in scene.hair.iter().enumerate() {
         match &hair.source {
@@ -66,13 +70,13 @@ fn of_group(group: usize, file: &str, error: &SceneError) -> SceneError {
 
 /// The strands of a group's file, where the group's motion has them at the start.
 fn groom(
-    scene: &Scene,
+    scene: &SceneValues,
     group: usize,
     hair: &Hair,
     file: &GroomFile,
     warnings: &mut Vec<String>,
 ) -> Result<Groom, SceneError> {
-    let (read, notes) = file.groom(scene.seed)?;
+    let (read, notes) = file.groom(hair.seed.unwrap_or(scene.seed))?;
     warnings.extend(notes.into_iter().map(|note| format!("{}: {note}", scene.called(group))));
     let fibre = match read.fibre {
         PerStrand::All(_) => hair.fibre.into(),
@@ -109,7 +113,7 @@ impl Hair {
         match &self.source {
             HairSource::Drawn(drawn) => Ok((drawn.strands as usize, None)),
             HairSource::File(file) => {
-                let (simulated, mut all) = file.followers(seed)?;
+                let (simulated, mut all) = file.followers(self.seed.unwrap_or(seed))?;
                 for point in all.iter_mut().flat_map(|curves| &mut curves.points) {
                     *point = self.motion.place(self.center(), DVec3::from_array(*point), 0.0).to_array();
                 }
@@ -124,7 +128,7 @@ impl Hair {
 /// # Errors
 /// As [`Scene::scalp`].
 fn draw(
-    scene: &Scene,
+    scene: &SceneValues,
     group: usize,
     hair: &Hair,
     drawn: &Drawn,
@@ -132,25 +136,24 @@ fn draw(
     all: &mut Strands,
     warnings: &mut Vec<String>,
 ) -> Result<(), SceneError> {
-    let mut rng = Pcg64::seed_from_u64(scene.seed.wrapping_mul(0x9e37_79b9).wrapping_add(group as u64));
+    let seed = hair.seed.unwrap_or(scene.seed);
+    let mut rng = Pcg64::seed_from_u64(seed.wrapping_mul(0x9e37_79b9).wrapping_add(group as u64));
+    let patch = drawn.roots.patch();
     let on_mesh = match &drawn.roots {
-        Roots::Patch(_) => Vec::new(),
         Roots::Mesh(scalp) => {
-            let found = scene.scalp(scalp).map_err(|error| {
-                let key = format!("hair.{group}.roots.{}", error.key().unwrap_or("body"));
-                error.at(key, None)
-            });
+            let found = scene.scalp(scalp).map_err(|error| error.within(&format!("hair.{group}.roots")));
             let (_, solid, triangles) = found?;
             scatter(solid, &triangles, drawn.strands, &mut rng)
         }
+        _ => Vec::new(),
     };
     for i in 0..drawn.strands {
-        let Seat { root, normal: axis, uv } = match &drawn.roots {
-            Roots::Patch(patch) => {
+        let Seat { root, normal: axis, uv } = match &patch {
+            Some(patch) => {
                 let (root, normal) = seat(patch, i, drawn.strands, &mut rng);
                 Seat { root, normal, uv: [0.0; 2] }
             }
-            Roots::Mesh(_) => on_mesh[i as usize],
+            None => on_mesh[i as usize],
         };
         // Where the motion has it at the start.
         let turn = hair.motion.at(0.0).1;
@@ -179,10 +182,10 @@ fn draw(
 
 /// Position and direction of root `i` of `n`: a jittered sunflower on disc and cap, equal parts of a line. A lone root
 /// is in the middle.
-fn seat(roots: &Patch, i: u32, n: u32, rng: &mut Pcg64) -> (DVec3, DVec3) {
+fn seat(roots: &RootPatch, i: u32, n: u32, rng: &mut Pcg64) -> (DVec3, DVec3) {
     let [center, axis, normal] = [roots.center, roots.direction, roots.normal].map(DVec3::from_array);
     if n == 1 {
-        let height = if roots.shape == RootShape::SphereCap { roots.radius } else { 0.0 };
+        let height = if roots.shape == RootShape::Cap { roots.radius } else { 0.0 };
         return (center + height * axis, axis);
     }
     let level = DVec3::Y.cross(normal);
@@ -200,7 +203,7 @@ fn seat(roots: &Patch, i: u32, n: u32, rng: &mut Pcg64) -> (DVec3, DVec3) {
             // Chance must not lead off the disc.
             (center + seat.clamp_length_max(roots.radius), axis)
         }
-        RootShape::SphereCap => {
+        RootShape::Cap => {
             let angle = TAU * (GOLDEN_TURN * f64::from(i) + jitter[0] / f64::from(n).sqrt());
             let height = 1.0 - part;
             let ring = (1.0 - height * height).sqrt();

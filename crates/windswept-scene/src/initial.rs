@@ -5,14 +5,14 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     air,
-    body::Shape,
+    body::CheckedShape,
     box_fit,
     curves::Curves,
     error::SceneError,
     groom::Groom,
     hair,
     limits::{DEEPEST_ROOT, MAX_AIR_PARTICLES},
-    scene::{Air, Model, Scene},
+    scene::{Air, AsChecked, CheckedScene, Model, SceneValues},
     strand::AirParticle,
     strands::{Ends, Strands},
     warnings,
@@ -50,7 +50,7 @@ pub struct AirParticles {
     /// Mass m of every particle \[kg\], ρ0 V.
     pub mass: f64,
 }
-fn particle_volume(scene: &Scene) -> AirParticle {
+fn particle_volume(scene: &SceneValues) -> AirParticle {
     match &scene.air {
         Some(air) => AirParticle { volume: air.particle_volume(), kernel_radius: air.kernel_radius },
         None => AirParticle { volume: Air::PARTICLE_VOLUME, kernel_radius: Air::KERNEL_RADIUS },
@@ -106,9 +106,11 @@ impl InitialState {
     /// [`SceneError`] when the scene has neither hair nor air, when hair fills the box of air, when `air.margin` leaves no box,
     /// when a root is deep inside a body, when a groom file cannot be read, and when a strand's masses or compliances are beyond
     /// what `f32` holds. It has the line of its key where the scene has a text, and none where the scene was made in code.
-    pub fn new(scene: &Scene) -> Result<Self, SceneError> {
+    pub fn new(scene: &impl AsChecked) -> Result<Self, SceneError> {
+        let scene = &*scene.as_checked()?;
         let mut warnings = Vec::new();
-        let hair = hair::strands(scene, particle_volume(scene), &mut warnings).map_err(|error| scene.located(error))?;
+        let hair = hair::strands(scene, particle_volume(scene), &mut warnings)
+            .map_err(|error| scene.scene().located(error))?;
         Self::with_hair(scene, hair, warnings)
     }
 
@@ -116,18 +118,19 @@ impl InitialState {
     ///
     /// # Errors
     /// As [`Self::new`] and [`Groom::check`].
-    pub fn with_groom(scene: &Scene, groom: &Groom) -> Result<Self, SceneError> {
+    pub fn with_groom(scene: &impl AsChecked, groom: &Groom) -> Result<Self, SceneError> {
+        let scene = &*scene.as_checked()?;
         let mut warnings = Vec::new();
         let hair = groom.strands(scene, particle_volume(scene), &mut warnings)?;
-        let state = Self::with_hair(&Scene { hair: Vec::new(), ..scene.clone() }, hair, warnings)?;
+        let state = Self::with_hair(&scene.assuming(|_, values| values.hair.clear()), hair, warnings)?;
         Ok(Self { followers: groom.followers()?, ..state })
     }
 
-    fn with_hair(scene: &Scene, hair: Strands, warnings: Vec<String>) -> Result<Self, SceneError> {
-        Self::filled(scene, hair, warnings).map_err(|error| scene.located(error))
+    fn with_hair(scene: &CheckedScene, hair: Strands, warnings: Vec<String>) -> Result<Self, SceneError> {
+        Self::filled(scene, hair, warnings).map_err(|error| scene.scene().located(error))
     }
 
-    fn filled(scene: &Scene, mut hair: Strands, mut warnings: Vec<String>) -> Result<Self, SceneError> {
+    fn filled(scene: &CheckedScene, mut hair: Strands, mut warnings: Vec<String>) -> Result<Self, SceneError> {
         if hair.ends.iter().all(|ends| *ends == Ends::default()) {
             hair.ends.clear();
         }
@@ -137,7 +140,7 @@ impl InitialState {
         hair.consistent()?;
         hair.representable(scene)?;
         warnings.extend(hair.add_air_mass(scene));
-        let bodies: Vec<Shape> = scene.bodies.iter().map(|body| body.at(0.0)).collect();
+        let bodies: Vec<CheckedShape> = scene.bodies.iter().map(|body| body.at(0.0)).collect();
         rooted_outside(scene, &hair, &bodies)?;
         warnings.extend(warnings::of_idle(scene));
         warnings.extend(warnings::of_place(&hair));
@@ -154,7 +157,7 @@ impl InitialState {
             // Fibres take no room from the air that they exchange drag with.
             let none = Strands::default();
             let displaces = if scene.interaction.model == Model::TwoWay { &none } else { &state.hair };
-            state.air = air::particles(air, &bounds, displaces, &bodies, scene.seed);
+            state.air = air::particles(air, &bounds, displaces, &bodies, air.seed);
             state.origin = state.air.min;
             if state.air.positions.is_empty() || state.air.volume <= 0.0 {
                 return Err(
@@ -162,7 +165,7 @@ impl InitialState {
                 );
             }
             state.warnings.extend(warnings::of_air(scene, air, &state.air));
-            state.warnings.extend(warnings::of_hair(&state.hair, &state.air, air.wind()));
+            state.warnings.extend(warnings::of_hair(&state.hair, &state.air, air.mean_wind()));
             state.warnings.extend(warnings::of_blocked(scene, air, &bounds, &bodies));
             state.warnings.extend(warnings::of_way_beside(scene, air));
         } else {
@@ -190,7 +193,7 @@ fn follow(all: &Curves, hair: &Strands) -> Result<(), SceneError> {
 }
 
 /// How large the group of a strand and a body are, where they may be of two scales.
-fn sizes(hair: &Strands, strand: usize, body: &str, shape: &Shape) -> String {
+fn sizes(hair: &Strands, strand: usize, body: &str, shape: &CheckedShape) -> String {
     let bounds = hair.bounds(hair.group.get(strand).copied());
     let sides = |[low, high]: [DVec3; 2]| (high - low).to_array().map(|side| format!("{side:.3}")).join(" x ");
     format!(
@@ -201,7 +204,7 @@ fn sizes(hair: &Strands, strand: usize, body: &str, shape: &Shape) -> String {
 }
 
 /// Whether every strand can leave the bodies that it grows on.
-fn rooted_outside(scene: &Scene, hair: &Strands, bodies: &[Shape]) -> Result<(), SceneError> {
+fn rooted_outside(scene: &SceneValues, hair: &Strands, bodies: &[CheckedShape]) -> Result<(), SceneError> {
     for (strand, root) in hair.roots().enumerate() {
         for (body, shape) in scene.bodies.iter().zip(bodies) {
             let (depth, most) = (-shape.signed_distance(root).0, DEEPEST_ROOT * shape.inradius());

@@ -134,6 +134,11 @@ impl Kind {
         }
     }
 
+    /// Whether a whole number is in range.
+    pub(crate) fn counts(self, n: u64) -> bool {
+        if let Self::Count(least, most) = self { (u64::from(least)..=u64::from(most)).contains(&n) } else { true }
+    }
+
     /// The expected value, for an error.
     #[must_use]
     pub fn expected(self) -> String {

@@ -1,6 +1,7 @@
 //! The user's input, in SI: scene file, groom, checks, initial state. No GPU.
 //!
-//! Data flows one way: text → [`Scene`] (every key checked, see [`keys`]) → [`InitialState`] (arrays).
+//! Data flows one way: text or code → [`Scene`] → [`CheckedScene`] (every value, in range; see [`keys`]) →
+//! [`InitialState`] (arrays).
 
 mod added_mass;
 mod air;
@@ -14,6 +15,7 @@ mod declare;
 pub mod derived;
 mod document;
 mod error;
+mod faults;
 mod filter_limits;
 mod force;
 mod groom;
@@ -29,28 +31,31 @@ mod picture;
 mod reader;
 mod scatter;
 mod scene;
+mod schema;
 mod solid;
 mod strand;
 mod strands;
 mod triangles;
 mod units;
+mod variants;
 mod warnings;
 mod wind;
 mod write;
 
 pub use atomic::{AtomicFile, remove};
-pub use body::{Body, Round, Shape};
+pub use body::{Body, Capsule, CheckedBody, CheckedShape, Round, Shape, Sphere};
 pub use counts::Counts;
 pub use curves::{Curves, Dropped, GroomFormat, npy_head};
 pub use error::{SceneError, spelled};
 pub use filter_limits::Excess;
-pub use force::{Force, ForceField, Strength};
+pub use force::{CheckedForce, Force, ForceField, Strength};
 pub use groom::{Groom, PerStrand, RestCurvature, RestShape};
 pub use initial::{AirParticles, InitialState};
 pub use load::Outline;
 pub use motion::{Keyframe, Motion};
 pub use picture::*;
 pub use scene::*;
+pub use schema::schema;
 pub use solid::{MeshFile, Solid};
 pub use strands::{End, Ends, Strands};
 pub use triangles::{DistanceGrid, Part, Triangles};

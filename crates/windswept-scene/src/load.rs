@@ -11,10 +11,11 @@ use crate::{
     declare::Keys,
     document::Document,
     error::SceneError,
+    faults::Faults,
     keys::{self, Key},
     limits::LARGEST_SCENE_FILE,
     reader::Reader,
-    scene::{Hair, SEED, Scene, Source, Time},
+    scene::{CheckedScene, Hair, SEED, Scene, SceneValues, Source, Time},
 };
 
 impl Scene {
@@ -35,7 +36,7 @@ impl Scene {
     }
 
     /// Reads a scene file. Paths of files in it start from its folder, and absolute ones are refused. [`Self::text`]
-    /// has them absolute; [`Self::text_in`] is text for another scene file.
+    /// has them absolute; [`CheckedScene::text_in`] is text for another scene file.
     ///
     /// # Errors
     /// As [`Self::parse`], and when the file cannot be read.
@@ -58,9 +59,9 @@ impl Scene {
         let absolute = |file: &Path| std::path::absolute(folder.join(file)).ok();
         match assign::with_files(scene.text(), absolute) {
             Some(text) => {
-                let given = scene.text.given;
+                let given = scene.source.given;
                 let scene = Self::parse_named(&name, &text)?;
-                Ok(Self { text: Source { given, ..scene.text }, ..scene })
+                Ok(Self { source: Source { given, ..scene.source }, ..scene })
             }
             None => Ok(scene),
         }
@@ -84,67 +85,90 @@ impl Scene {
         match read(&changed, folder) {
             Ok(scene) => {
                 let given = (text.to_owned(), sets.to_vec());
-                Ok(Self { text: Source { text: changed, name: name.to_owned(), given }, ..scene })
+                Ok(Self { source: Source { text: changed, name: name.to_owned(), given }, ..scene })
             }
-            Err(error) => Err(match guilty(&error, text, folder, sets) {
-                Some(assignment) => error.of_assignment(assignment),
-                None => error.of(name, &changed),
-            }),
+            Err((document, faults)) => {
+                let source = Source { text: changed, name: name.to_owned(), given: (text.to_owned(), sets.to_vec()) };
+                let found = |text: &str| read(text, folder).map_or_else(|(_, faults)| faults, |_| Vec::new());
+                Err(source.of_all(&document, faults, found))
+            }
         }
     }
 
-    /// Text that the scene was read from, assignments included; after [`Self::load`] its paths are absolute.
-    /// `scene.toml` in a run's folder holds [`Self::text_in`] instead.
-    #[must_use]
-    pub fn text(&self) -> &str {
-        &self.text.text
+    /// The scene with every value that follows from others, if its values are in range and go together: the scene that
+    /// engine, reference and exporter take.
+    ///
+    /// Mesh files of bodies are read here, groom files of hair by [`InitialState::new`](crate::InitialState::new).
+    ///
+    /// # Errors
+    /// [`SceneError`] has every fault with the path of its key, the expected value and the one found, and its line where
+    /// the scene is as it was read from a text.
+    pub fn check(&self) -> Result<CheckedScene, SceneError> {
+        self.faults().map(|values| CheckedScene::new(self.clone(), values)).map_err(|faults| {
+            if !self.is_as_read() {
+                return SceneError::of_all(faults.into_iter().map(|fault| self.called_by_name(fault)))
+                    .unwrap_or_else(|| SceneError::new("cannot be checked"));
+            }
+            let document = Document::parse(self.text(), None, &Faults::default()).unwrap_or_default();
+            let found = |text: &str| {
+                read(text, None).map_or_else(|(_, faults)| faults, |scene| scene.faults().err().unwrap_or_default())
+            };
+            self.source.of_all(&document, faults, found)
+        })
     }
 
-    /// The text for a scene file in `folder`, which is there: [`Self::text`] with paths of files that start from the
-    /// folder. Only on another drive of Windows a path stays absolute.
+    /// The checked values, or all faults.
+    fn faults(&self) -> Result<SceneValues, Vec<SceneError>> {
+        let faults = Faults::default();
+        Keys::find(self, &faults.root());
+        let values = if faults.is_empty() { Keys::check(self, self, &faults.root()) } else { None };
+        values.filter(|_| faults.is_empty()).ok_or_else(|| faults.into_vec())
+    }
+
+    /// Whether the scene is the one that its text says.
+    fn is_as_read(&self) -> bool {
+        read(self.text(), None).is_ok_and(|scene| scene == *self)
+    }
+
+    /// Text that the scene was read from, assignments included; after [`Self::load`] its paths are absolute.
+    /// `scene.toml` in a run's folder holds [`CheckedScene::text_in`] instead.
     #[must_use]
-    pub fn text_in(&self, folder: &Path) -> String {
-        let relative = |file: &Path| {
-            // The system follows links before it goes up from them.
-            let beside =
-                fs::canonicalize(file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new(".")));
-            pathdiff::diff_paths(beside.ok()?.join(file.file_name()?), fs::canonicalize(folder).ok()?)
-        };
-        assign::with_files(self.text(), relative).unwrap_or_else(|| self.text().to_owned())
+    pub fn text(&self) -> &str {
+        &self.source.text
     }
 
     /// Name in messages of the group of strands of this index: `hair` where it is the only one and no name was given to
     /// it, else `hair.NAME`.
     #[must_use]
     pub fn called(&self, group: usize) -> String {
-        match &self.hair[..] {
-            [only] if only.name == Hair::NAME => "hair".to_owned(),
-            all => format!("hair.{}", all.get(group).map_or(Hair::NAME, |hair| &hair.name)),
+        called(&self.hair, group)
+    }
+
+    /// The error of a scene in code, whose key is a real path (`hair.0.file`), with the key by name (`hair.file`).
+    fn called_by_name(&self, error: SceneError) -> SceneError {
+        let group = |key: &str| key.strip_prefix("hair.")?.split('.').next()?.parse().ok();
+        match error.key().and_then(group) {
+            Some(group) => error.renamed(&format!("hair.{group}"), &self.called(group)).unwrap_or(error),
+            None => error,
         }
     }
 
-    /// An error that was found after the scene was read, with the file and the line that spell its key, or the
+    /// An error that was found after the scene was checked, with the file and the line that spell its key, or the
     /// assignment that does. The key is a real path (`hair.0.file`), and becomes the one that the text has
     /// (`hair.file`). Other keys than a scene's, as those of a caller's own groom, stay.
     pub(crate) fn located(&self, error: SceneError) -> SceneError {
         let Some(key) = error.key().filter(|key| is_of_scene(key)).map(str::to_owned) else { return error };
-        let group = key.strip_prefix("hair.").and_then(|rest| rest.split('.').next()?.parse().ok());
-        let named = |error: SceneError| match group {
-            Some(group) => error.renamed(&format!("hair.{group}"), &self.called(group)).unwrap_or(error),
-            None => error,
-        };
         // Lines are those of the file, without the assignments.
-        let (given, _) = &self.text.given;
-        match Document::parse(given, None) {
+        let (given, _) = &self.source.given;
+        match Document::parse(given, None, &Faults::default()) {
             Ok(document) if !given.is_empty() => {
-                let span = Reader::new(&document).fault(&key, "").span();
-                let error = named(document.shown(error.with_span(span)));
-                match self.text.assigned(&key) {
+                let error = self.called_by_name(document.shown(error));
+                match self.source.assigned(&key) {
                     Some(assignment) => error.of_assignment(assignment),
-                    None => error.of(&self.text.name, given),
+                    None => error.of(&self.source.name, given),
                 }
             }
-            _ => named(error),
+            _ => self.called_by_name(error),
         }
     }
 
@@ -152,6 +176,31 @@ impl Scene {
     #[must_use]
     pub fn explain() -> String {
         keys::explain()
+    }
+}
+
+/// A text with paths of files that start from `folder`, which is there.
+pub(crate) fn text_in(text: &str, folder: &Path) -> String {
+    let relative = |file: &Path| {
+        // The system follows links before it goes up from them.
+        let beside = fs::canonicalize(file.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new(".")));
+        pathdiff::diff_paths(beside.ok()?.join(file.file_name()?), fs::canonicalize(folder).ok()?)
+    };
+    assign::with_files(text, relative).unwrap_or_else(|| text.to_owned())
+}
+
+impl SceneValues {
+    /// As [`Scene::called`].
+    #[must_use]
+    pub fn called(&self, group: usize) -> String {
+        called(&self.hair, group)
+    }
+}
+
+fn called(all: &[Hair], group: usize) -> String {
+    match all {
+        [only] if only.name == Hair::NAME => "hair".to_owned(),
+        all => format!("hair.{}", all.get(group).map_or(Hair::NAME, |hair| &hair.name)),
     }
 }
 
@@ -175,25 +224,60 @@ impl Outline {
         let path = path.as_ref();
         let name = path.display().to_string();
         let text = read_text(path).map_err(|error| error.of(&name, ""))?;
-        let read = || -> Result<_, SceneError> {
-            let document = Document::parse(&text, None)?;
-            let reader = Reader::new(&document);
-            let time = reader.read("time").map_err(|error| document.shown(error))?;
-            Ok((time, reader.said("seed").unwrap_or(SEED)))
-        };
-        let (time, seed) = read().map_err(|error: SceneError| error.of(&name, &text))?;
-        Ok(Self { text, time, seed })
+        let faults = Faults::default();
+        let document = Document::parse(&text, None, &faults).map_err(|error| error.of(&name, &text))?;
+        let reader = Reader::new(&document, faults.root());
+        let (time, seed) = (<Time as Keys>::read(&reader.table("time")), reader.said("seed").unwrap_or(SEED));
+        if let Some(time) = &time {
+            time.check(&reader.at.table("time"));
+        }
+        match (
+            SceneError::of_all(faults.into_vec().into_iter().map(|fault| document.shown(fault).of(&name, &text))),
+            time,
+        ) {
+            (None, Some(time)) => Ok(Self { text, time, seed }),
+            (fault, _) => Err(fault.unwrap_or_else(|| SceneError::new("cannot be read").of(&name, &text))),
+        }
     }
 }
 
 impl Source {
+    /// One error of all faults of the text, each with its line, or with the assignment with which it appears. `found`
+    /// finds the faults of another text.
+    fn of_all(
+        &self,
+        document: &Document,
+        faults: Vec<SceneError>,
+        found: impl Fn(&str) -> Vec<SceneError>,
+    ) -> SceneError {
+        let (given, sets) = &self.given;
+        let mut texts = vec![(None, given.clone())];
+        for assignment in sets {
+            let before = &texts[texts.len() - 1].1;
+            texts.push((Some(assignment), assign::set(before, assignment).unwrap_or_else(|_| before.clone())));
+        }
+        // The last text is that of the faults.
+        texts.pop();
+        let known: Vec<_> = texts.iter().map(|(assignment, text)| (*assignment, found(text))).collect();
+        let located = faults.into_iter().map(|fault| {
+            let same = |other: &SceneError| (other.key(), other.message()) == (fault.key(), fault.message());
+            let first = known.iter().position(|(_, faults)| faults.iter().any(same)).unwrap_or(known.len());
+            let shown = document.shown(fault);
+            match first.checked_sub(1).and_then(|before| sets.get(before)) {
+                Some(assignment) => shown.of_assignment(assignment),
+                None => shown.of(&self.name, &self.text),
+            }
+        });
+        SceneError::of_all(located).unwrap_or_else(|| SceneError::new("cannot be read").of(&self.name, &self.text))
+    }
+
     /// The assignment that gave the key of this real path its value; where the text does not spell it, that of the file
     /// in its table, which asks for it.
     fn assigned(&self, key: &str) -> Option<&String> {
         let (given, sets) = &self.given;
         let file = key.rsplit_once('.').map(|(table, _)| format!("{table}.file"));
         let spelled = |text: &str| {
-            let entries = Document::parse(text, None).unwrap_or_default().entries;
+            let entries = Document::parse(text, None, &Faults::default()).unwrap_or_default().entries;
             let of = |key: &str| entries.get(key).map(|entry| entry.datum.clone());
             of(key).or_else(|| of(file.as_deref()?))
         };
@@ -236,25 +320,13 @@ fn read_text(path: &Path) -> Result<String, SceneError> {
     }
 }
 
-fn read(text: &str, folder: Option<&Path>) -> Result<Scene, SceneError> {
-    let document = Document::parse(text, folder)?;
-    Keys::read(&Reader::new(&document)).map_err(|error| document.shown(error))
-}
-
-/// Assignment with which the fault appears; `None` if the file has the fault already.
-fn guilty<'a>(error: &SceneError, text: &str, folder: Option<&Path>, sets: &'a [String]) -> Option<&'a String> {
-    let faulty = |text: &str| {
-        read(text, folder).is_err_and(|other| (other.key(), other.message()) == (error.key(), error.message()))
+/// The scene of a text, or its document and all faults.
+fn read(text: &str, folder: Option<&Path>) -> Result<Scene, (Document, Vec<SceneError>)> {
+    let faults = Faults::default();
+    let document = match Document::parse(text, folder, &faults) {
+        Ok(document) => document,
+        Err(error) => return Err((Document::default(), vec![error])),
     };
-    let mut changed = text.to_owned();
-    if faulty(&changed) {
-        return None;
-    }
-    sets.iter().find(|assignment| match assign::set(&changed, assignment) {
-        Ok(set) => {
-            changed = set;
-            faulty(&changed)
-        }
-        Err(_) => false,
-    })
+    let scene = Scene::read(&Reader::new(&document, faults.root()));
+    scene.filter(|_| faults.is_empty()).ok_or_else(|| (document, faults.into_vec()))
 }

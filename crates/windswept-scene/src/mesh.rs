@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::scene::Turbulence;
+use crate::scene::{CheckedTurbulence, DirectFilter, Filter, GridFilter};
 
 /// Largest ratio of two bands' scales up to which the coarser band takes the grid of the finer one: a grid of its own
 /// would have a third of the nodes, and cost a deposit.
@@ -15,7 +15,7 @@ const FEWEST: f64 = 4.0;
 const REACH: f64 = 4.9;
 const SPARED: f64 = 2.0;
 
-impl Turbulence {
+impl CheckedTurbulence {
     /// Bands that have a strength, grid by grid: indices into `bands`, finest first. The first band of a grid sets its
     /// spacing.
     #[must_use]
@@ -32,11 +32,25 @@ impl Turbulence {
         grids
     }
 
+    /// Spacing of the nodes of the grid filter \[scales\]; the default with another filter.
+    #[must_use]
+    pub fn spacing(&self) -> f64 {
+        let Filter::Grid(GridFilter { spacing }) = self.filter else { return GridFilter::default().spacing };
+        spacing
+    }
+
+    /// Cutoff of the direct filter \[scales\]; the default with another filter.
+    #[must_use]
+    pub fn cutoff(&self) -> f64 {
+        let Filter::Direct(DirectFilter { cutoff }) = self.filter else { return DirectFilter::default().cutoff };
+        cutoff
+    }
+
     /// Number of nodes along each axis of the grid for a band of `scale` \[m\] in a box of `size` \[m\]: at most
     /// `spacing` scales apart, and at most a kernel radius \[m\], so that few particles reach a node.
     #[must_use]
     pub fn nodes(&self, scale: f64, kernel_radius: f64, size: DVec3) -> [f64; 3] {
-        let spacing = (self.spacing * scale).min(kernel_radius);
+        let spacing = (self.spacing() * scale).min(kernel_radius);
         size.to_array().map(|side| (side / spacing).ceil().max(FEWEST))
     }
 
@@ -53,11 +67,12 @@ mod tests {
     use crate::scene::{Band, Scene};
 
     /// Bands of these scales and strengths on grids half a scale apart.
-    fn turbulence(bands: &[(f64, f64)]) -> Turbulence {
+    fn turbulence(bands: &[(f64, f64)]) -> CheckedTurbulence {
         let bare = "time = { step = 1e-3, duration = 1.0 }\ninteraction.model = \"none\"";
         let band = |&(scale, strength): &(f64, f64)| Band { scale, strength, intensity: 0.3 };
         let bands = bands.iter().map(band).collect();
-        Turbulence { bands, spacing: 0.5, ..Scene::parse(bare).unwrap().turbulence }
+        let filter = Filter::Grid(GridFilter { spacing: 0.5 });
+        CheckedTurbulence { bands, filter, ..Scene::parse(bare).unwrap().check().unwrap().turbulence.clone() }
     }
 
     /// Close scales share the finer one's grid, a band without strength has none.

@@ -6,13 +6,14 @@ use glam::{DQuat, DVec3};
 
 use crate::{
     declare::{Field, Row, table},
-    error::SceneError,
+    faults::At,
     keys::{
         Fallback::{Required, Value},
-        Key,
+        Key, Kind,
         Kind::{NonNegative, Vector},
     },
     reader::Reader,
+    scene::Scene,
     write::Writer,
 };
 
@@ -40,6 +41,12 @@ table! {
 }
 
 impl Keyframe {
+    /// The thing in its own place at `time` \[s\].
+    #[must_use]
+    pub fn new(time: f64) -> Self {
+        Self { time, translation: [0.0; 3], rotation: [0.0; 3] }
+    }
+
     /// Translation T \[m\] and rotation R.
     #[must_use]
     pub fn pose(&self) -> (DVec3, DQuat) {
@@ -72,45 +79,45 @@ impl Motion {
     }
 }
 
-impl Motion {
-    /// Times must rise, and turns must be less than half a turn.
-    fn checked(self, reader: &Reader<'_>) -> Result<Self, SceneError> {
-        for (i, pair) in self.keyframes.windows(2).enumerate() {
-            let (before, keyframe) = (&pair[0], &pair[1]);
-            let fault = |key: &str, words: String| Err(reader.fault(&format!("{}.{key}", i + 1), words));
-            if keyframe.time <= before.time {
-                let times = (before.time, keyframe.time);
-                let words =
-                    format!("expected a time after that of the keyframe before, {} s; found {}", times.0, times.1);
-                return fault("time", words);
-            }
-            // The way is the shorter one: rotation vectors that differ by less than half a turn leave no doubt.
-            let turn = DVec3::from_array(keyframe.rotation).distance(DVec3::from_array(before.rotation));
-            if turn >= PI {
-                let words = format!(
-                    "differs from the keyframe before by {turn:.4} rad; expected less than half a turn, {PI:.5} rad: a spin \
-                     needs keyframes between"
-                );
-                return fault("rotation", words);
-            }
-        }
-        Ok(self)
+impl<const N: usize> From<[Keyframe; N]> for Motion {
+    fn from(keyframes: [Keyframe; N]) -> Self {
+        Self { keyframes: keyframes.into() }
     }
 }
 
 /// A motion is spelled as the list of its keyframes.
 impl Field for Motion {
+    type Checked = Self;
+
     fn list(row: Row<Self>, path: &str, all: &mut Vec<Key>) {
         Vec::<Keyframe>::list(row.of_parts(), path, all);
     }
 
-    fn read(row: Row<Self>, reader: &Reader<'_>) -> Result<Option<Self>, SceneError> {
-        let table = reader.table(row.name);
-        let keyframes = Vec::<Keyframe>::read(row.of_parts(), reader)?.unwrap_or_default();
-        Self { keyframes }.checked(&table).map(Some)
+    fn read(row: Row<Self>, reader: &Reader<'_>) -> Option<Self> {
+        Vec::<Keyframe>::read(row.of_parts(), reader).map(|keyframes| Self { keyframes })
     }
 
     fn write(&self, name: &'static str, writer: &mut Writer) {
         self.keyframes.write(name, writer);
+    }
+
+    fn find(&self, name: &'static str, kind: Kind, at: &At<'_>) {
+        self.keyframes.find(name, kind, at);
+    }
+
+    /// Times must rise, and turns must be less than half a turn.
+    fn check(&self, name: &'static str, _: Kind, _: &Scene, at: &At<'_>) -> Option<Self> {
+        at.rising(name, self.keyframes.iter().map(|keyframe| keyframe.time));
+        let turn =
+            |pair: &[Keyframe]| DVec3::from_array(pair[1].rotation).distance(DVec3::from_array(pair[0].rotation));
+        // The way is the shorter one: rotation vectors that differ by less than half a turn leave no doubt.
+        if let Some((i, turn)) = self.keyframes.windows(2).map(turn).enumerate().find(|(_, turn)| *turn >= PI) {
+            let words = format!(
+                "differs from the keyframe before by {turn:.4} rad; expected less than half a turn, {PI:.5} rad: a spin \
+                 needs keyframes between"
+            );
+            at.fault(&format!("{name}.{}.rotation", i + 1), words);
+        }
+        Some(self.clone())
     }
 }

@@ -4,22 +4,21 @@ use glam::DVec3;
 
 use crate::{
     declare::{table, words},
-    error::SceneError,
+    faults::At,
     keys::{
-        Fallback::{Derived, Value},
+        Fallback::{Derived, Required, Value},
         Kind::{Choice, Count, Positive, Table, Vector},
     },
     limits::{MAX_HAIRS, MAX_PIXELS, MIN_PIXELS},
-    reader::Reader,
-    scene::{Law, Scene},
+    scene::{Law, SceneValues},
 };
 
 table! {
     /// `[camera]`: what pictures are taken with.
     #[derive(Debug, Clone, Copy, PartialEq)]
-    pub struct Camera, checked by Camera::checked {
+    pub struct Camera, with defaults, checked by Camera::check {
         /// Place and aim of the camera; `None` frames the hair.
-        look_at as "": Option<LookAt> = Table, "", Derived("");
+        look_at as "": Option<LookAt> = Table, "", Derived("frames the hair");
         /// Vertical field of view, below 180.
         fov: f64 = Positive, "°", Value(26.0);
         /// Width of a picture.
@@ -32,22 +31,18 @@ table! {
 table! {
     /// Place and aim of a camera: `camera.eye` and `camera.target`.
     #[derive(Debug, Clone, Copy, PartialEq)]
-    pub struct LookAt, checked by LookAt::checked {
+    pub struct LookAt, checked by LookAt::check {
         /// Place of the camera; eye and target go together.
-        eye: [f64; 3] = Vector, "m", Derived("frames the hair") => |camera| without(camera, "eye")?;
+        eye: [f64; 3] = Vector, "m", Required;
         /// Point that the camera looks at.
-        target: [f64; 3] = Vector, "m", Derived("frames the hair") => |camera| without(camera, "target")?;
+        target: [f64; 3] = Vector, "m", Required;
     }
-}
-
-fn without(camera: &Reader<'_>, name: &str) -> Result<[f64; 3], SceneError> {
-    Err(camera.fault(name, "is missing: expected camera.eye and camera.target, or neither"))
 }
 
 table! {
     /// `[picture]`: what pictures show.
     #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-    pub struct Picture {
+    pub struct Picture, with defaults {
         /// Hairs drawn in all, the strands and others that follow them; where a groom file has others, those first.
         hairs: u32 = Count(1, MAX_HAIRS), "", Value(20_000);
         /// Colour of the air particles, or none of them.
@@ -68,45 +63,43 @@ words! {
 }
 
 impl LookAt {
-    fn checked(self, reader: &Reader<'_>) -> Result<Self, SceneError> {
+    fn check(&self, at: &At<'_>) {
         if DVec3::from_array(self.eye).distance(DVec3::from_array(self.target)) < 1e-9 {
-            return Err(reader.fault("target", "is the same point as camera.eye; expected another"));
+            at.fault("target", "is the same point as camera.eye; expected another");
         }
-        Ok(self)
     }
 }
 
 impl Camera {
-    fn checked(self, reader: &Reader<'_>) -> Result<Self, SceneError> {
+    fn check(&self, at: &At<'_>) {
         if self.fov >= 180.0 {
-            return Err(reader.fault("fov", format!("expected an angle below 180 degrees, found {}", self.fov)));
+            at.fault("fov", format!("expected an angle below 180 degrees, found {}", self.fov));
         }
-        Ok(self)
     }
 }
 
-impl Scene {
+impl SceneValues {
     /// Air particles must have what a picture colours them by.
-    pub(crate) fn check_picture(&self, reader: &Reader<'_>) -> Result<(), SceneError> {
+    pub(crate) fn check_picture(&self, at: &At<'_>) {
         let air = self.picture.air;
         let needed = match air {
-            AirPicture::None => return Ok(()),
+            AirPicture::None => return,
             AirPicture::Vorticity => "particles that have neighbours: a density constraint, viscosity or turbulence",
             AirPicture::BandEnergy => "one of turbulence.bands strengthened, and a turbulence.speed to measure it by",
         };
-        let fault = |needs: &str| Err(reader.fault("picture.air", format!("\"{}\" needs {needs}", air.word())));
+        let fault = |needs: &str| at.fault("picture.air", format!("\"{}\" needs {needs}", air.word()));
         if !self.interaction.model.has_air() {
             return fault("air particles: interaction.model = \"two-way\" or \"particles\"");
         }
-        let (fluid, viscosity) = (&self.fluid, &self.viscosity);
-        let near = fluid.iterations > 0 || viscosity.acts();
-        let there = strengthened(self) || (air == AirPicture::Vorticity && near);
-        if there { Ok(()) } else { fault(needed) }
+        let near = self.fluid.iterations > 0 || self.viscosity.acts();
+        if !(strengthened(self) || air == AirPicture::Vorticity && near) {
+            fault(needed);
+        }
     }
 }
 
 /// Whether confinement strengthens a band.
-fn strengthened(scene: &Scene) -> bool {
+fn strengthened(scene: &SceneValues) -> bool {
     let eddies = &scene.turbulence;
     eddies.bands.iter().any(|band| band.strength > 0.0) && (eddies.law == Law::Published || eddies.speed > 0.0)
 }

@@ -1,58 +1,35 @@
-//! Reading of one table of a checked document.
-
-use std::path::Path;
+//! Reading of one table of a document.
 
 use crate::{
-    declare::{Keys, Leaf, join},
+    declare::{Leaf, join},
     document::{Datum, Document},
-    error::SceneError,
+    faults::At,
     scene::Method,
 };
 
-/// A table of a checked document, whether the text has it or not.
+/// A table of a document, whether the text has it or not.
 pub(crate) struct Reader<'a> {
     document: &'a Document,
-    /// Real path of the table, with indices: `hair.0.roots`; empty for the whole file.
-    path: String,
+    /// The table, and the faults of its keys.
+    pub(crate) at: At<'a>,
 }
 
 impl<'a> Reader<'a> {
-    /// The whole file.
-    pub(crate) fn new(document: &'a Document) -> Self {
-        Self { document, path: String::new() }
-    }
-
-    /// The whole file that this table is of.
-    pub(crate) fn root(&self) -> Self {
-        Self::new(self.document)
-    }
-
-    /// Where files with relative paths are.
-    pub(crate) fn folder(&self) -> &Path {
-        self.document.folder.as_deref().unwrap_or(Path::new(""))
+    /// The whole file; faults go to those of `at`.
+    pub(crate) fn new(document: &'a Document, at: At<'a>) -> Self {
+        Self { document, at }
     }
 
     /// The table of this name in this one; this one where the name is empty.
     pub(crate) fn table(&self, name: &str) -> Self {
-        Self { document: self.document, path: join(&self.path, name) }
+        Self { document: self.document, at: self.at.table(name) }
     }
 
     /// The tables of the array of this name.
-    pub(crate) fn tables(&self, name: &str) -> impl Iterator<Item = Self> + use<'a> {
-        let count = match self.spelled(name) {
-            Some(Datum::Tables(n)) => *n,
-            _ => 0,
-        };
-        let (document, path) = (self.document, join(&self.path, name));
-        (0..count).map(move |i| Self { document, path: format!("{path}.{i}") })
-    }
-
-    /// The whole table of this name with its defaults.
-    ///
-    /// # Errors
-    /// As [`Keys::read`].
-    pub(crate) fn read<T: Keys>(&self, name: &str) -> Result<T, SceneError> {
-        T::read(&self.table(name))
+    pub(crate) fn tables(&self, name: &str) -> impl Iterator<Item = Self> + use<'_, 'a> {
+        let count = if let Some(Datum::Tables(n)) = self.spelled(name) { *n } else { 0 };
+        let name = name.to_owned();
+        (0..count).map(move |i| self.table(&join(&name, &i.to_string())))
     }
 
     /// Value that the table spells for a key, if it spells one.
@@ -67,26 +44,11 @@ impl<'a> Reader<'a> {
 
     /// Whether the file takes the published method's defaults.
     pub(crate) fn published(&self) -> bool {
-        self.root().said("method") == Some(Method::Published)
-    }
-
-    /// A fault of the key of this name. A missing key is shown at the table that lacks it.
-    pub(crate) fn fault(&self, name: &str, message: impl Into<String>) -> SceneError {
-        let real = join(&self.path, name);
-        let mut place = real.as_str();
-        let span = loop {
-            match self.document.entries.get(place) {
-                Some(entry) => break entry.span.clone(),
-                None => match place.rsplit_once('.') {
-                    Some((parent, _)) => place = parent,
-                    None => break None,
-                },
-            }
-        };
-        SceneError::new(message).at(real, span)
+        let method = self.document.entries.get("method").and_then(|entry| Method::take(&entry.datum));
+        method == Some(Method::Published)
     }
 
     fn spelled(&self, name: &str) -> Option<&'a Datum> {
-        self.document.entries.get(&join(&self.path, name)).map(|entry| &entry.datum)
+        self.document.entries.get(&self.at.path(name)).map(|entry| &entry.datum)
     }
 }

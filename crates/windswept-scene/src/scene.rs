@@ -1,4 +1,5 @@
-//! A checked scene: every key has its value, every value is in range, SI throughout.
+//! A scene as people write it, [`Scene`], and as everything else takes it, [`CheckedScene`]: every value is there, in
+//! range, and goes with the others. SI throughout.
 
 mod air;
 mod hair;
@@ -7,28 +8,30 @@ mod roots;
 mod turbulence;
 mod viscosity;
 
-pub(crate) use air::rounded;
-pub use air::{Air, Bounds, Gust, Inflow};
+pub use air::{Air, Bounds, CheckedAir, Gust, Inflow};
+pub(crate) use air::{check_size, rounded};
 pub(crate) use hair::FRICTION;
-pub use hair::{Curl, Drawn, Fibre, GroomFile, Hair, HairSource, Stiffness, Up};
-pub use rods::{Integrator, Rods, Solver};
-pub use roots::{Patch, RootShape, Roots, Scalp};
-pub use turbulence::{Band, Filter, Law, Turbulence};
-pub use viscosity::{Viscosity, ViscosityForm};
+pub use hair::{Curl, Drawn, Fibre, GroomFile, Hair, HairSource, Moduli, Stiffness, StrandStiffness, Up};
+pub use rods::{CheckedRods, Integrator, Rods, Solver};
+pub use roots::{Cap, Patch, RootPatch, RootShape, Roots, Scalp};
+pub use turbulence::{Band, CheckedTurbulence, DirectFilter, Filter, GridFilter, Law, Turbulence};
+pub use viscosity::{CheckedViscosity, Viscosity, ViscosityForm};
 
-use std::{collections::HashSet, f64::consts::PI};
+use std::{borrow::Cow, collections::HashSet, f64::consts::PI, ops::Deref, path::Path, sync::OnceLock};
 
 use crate::{
-    body::Body,
+    body::{Body, CheckedBody},
     declare::{Field, Row, table, words},
     error::SceneError,
-    force::Force,
+    faults::At,
+    force::{CheckedForce, Force},
     keys::{
         Fallback::{self, Derived, Required, Value},
-        Key,
+        Key, Kind,
         Kind::{Bool, Choice, Count, NonNegative, Positive, Table, Tables, Text, Vector},
     },
     limits::{MAX_HAIR_POINTS, MAX_PRESSURE_ITERATIONS, MAX_REPEATS, MAX_STRENGTH_KEYFRAMES, MIN_COARSE_RADIUS},
+    load,
     picture::{Camera, Picture},
     reader::Reader,
     scatter::area,
@@ -45,12 +48,10 @@ pub(crate) const CLAMPED_TIP: &str =
 pub(crate) const SEED: u64 = 1;
 
 table! {
-    /// A whole scene, checked. Made by [`Scene::parse`] or [`Scene::load`]. Two are equal when they mean the same,
-    /// however their texts spell it.
+    /// A whole scene. Two are equal when they mean the same, however their texts spell it. An optional value that is
+    /// `None` follows from others.
     #[derive(Debug, Clone, PartialEq)]
-    pub struct Scene, checked by Scene::checked {
-        /// Text that the scene was read from.
-        text as "": Source = Text, "", Derived("");
+    pub struct Scene => SceneValues, checked by Scene::check_together {
         /// Free text, shown in reports.
         title: String = Text, "", Value(String::new());
         /// Method that sets the defaults of eight keys: interaction.model, fluid.solver, rods.solver, rods.integrator,
@@ -65,25 +66,52 @@ table! {
         /// Groups of strands; several as `[[hair]]`, each with a name.
         hair: Vec<Hair> = Tables, "", Derived("no hair but a groom that code gives; the command needs hair");
         /// Bodies that hair and air stay out of; several as `[[body]]`, each with a name.
-        bodies as "body": Vec<Body> = Tables, "", Derived("no bodies");
+        bodies as "body": Vec<Body> as Vec<CheckedBody> = Tables, "", Derived("no bodies");
         /// Force fields: winds of their own; several as `[[force]]`, each with a name.
-        forces as "force": Vec<Force> = Tables, "", Derived("no force fields");
+        forces as "force": Vec<Force> as Vec<CheckedForce> = Tables, "", Derived("no force fields");
         /// Wind and air particles.
-        air: Option<Air> = Table, "", Derived("with model none only");
+        air: Option<Air> as Option<CheckedAir> = Table, "", Derived("with model none only");
         /// Interaction of hair and air.
-        interaction: Interaction = Table, "", Derived("its defaults");
+        interaction: Interaction as CheckedInteraction = Table, "", Derived("its defaults");
         /// Density constraint (eq. 1).
-        fluid: Fluid = Table, "", Derived("its defaults");
+        fluid: Fluid as CheckedFluid = Table, "", Derived("its defaults");
         /// Vorticity confinement (eqs. 2-6).
-        turbulence: Turbulence = Table, "", Derived("no confinement");
+        turbulence: Turbulence as CheckedTurbulence = Table, "", Derived("no confinement");
         /// XSPH viscosity (eqs. 7, 8).
-        viscosity: Viscosity = Table, "", Derived("its defaults");
+        viscosity: Viscosity as CheckedViscosity = Table, "", Derived("its defaults");
         /// Cosserat rods.
-        rods: Rods = Table, "", Derived("its defaults");
+        rods: Rods as CheckedRods = Table, "", Derived("its defaults");
         /// Camera that pictures are taken with.
         camera: Camera = Table, "", Derived("its defaults");
         /// Contents of pictures.
         picture: Picture = Table, "", Derived("its defaults");
+    }
+    and before the check {
+        /// Text that the scene was read from.
+        source as "": Source = Text, "", Derived("");
+    }
+}
+
+/// A scene with every value, in range, that goes with the others: [`Scene::check`] makes it, and nobody changes it.
+#[derive(Debug, Clone)]
+pub struct CheckedScene {
+    scene: Scene,
+    values: SceneValues,
+    /// The scene as text, once somebody asked for it.
+    text: OnceLock<String>,
+}
+
+impl PartialEq for CheckedScene {
+    fn eq(&self, other: &Self) -> bool {
+        (&self.scene, &self.values) == (&other.scene, &other.values)
+    }
+}
+
+impl Deref for CheckedScene {
+    type Target = SceneValues;
+
+    fn deref(&self) -> &SceneValues {
+        &self.values
     }
 }
 
@@ -107,13 +135,21 @@ impl PartialEq for Source {
 
 /// The text has no keys of its own; [`Scene::parse`] puts it in.
 impl Field for Source {
+    type Checked = ();
+
     fn list(_: Row<Self>, _: &str, _: &mut Vec<Key>) {}
 
-    fn read(_: Row<Self>, _: &Reader<'_>) -> Result<Option<Self>, SceneError> {
-        Ok(Some(Self::default()))
+    fn read(_: Row<Self>, _: &Reader<'_>) -> Option<Self> {
+        Some(Self::default())
     }
 
     fn write(&self, _: &'static str, _: &mut Writer) {}
+
+    fn find(&self, _: &'static str, _: Kind, _: &At<'_>) {}
+
+    fn check(&self, _: &'static str, _: Kind, _: &Scene, _: &At<'_>) -> Option<()> {
+        Some(())
+    }
 }
 
 words! {
@@ -129,7 +165,7 @@ words! {
 table! {
     /// `[time]`: step, duration, frames.
     #[derive(Debug, Clone, PartialEq)]
-    pub struct Time, checked by Time::checked {
+    pub struct Time, checked by Time::check {
         /// Step Δt as written; the engine runs `substeps` whole steps of `step / substeps`.
         step: f64 = Positive, "s", Required;
         /// Whole steps of Δt/n per Δt; the engine takes more where strands of very short segments need them.
@@ -154,28 +190,32 @@ impl Time {
         (k as f64 * self.steps_per_frame()).round() as u64
     }
 
+    /// A run of `duration` \[s\] with steps of `step` \[s\] and 60 frames per second.
+    #[must_use]
+    pub fn new(step: f64, duration: f64) -> Self {
+        Self { step, substeps: 1, duration, frame_rate: 60.0 }
+    }
+
     /// Steps and frames must be counted in 32 bits.
-    fn checked(self, reader: &Reader<'_>) -> Result<Self, SceneError> {
+    pub(crate) fn check(&self, at: &At<'_>) {
         let (steps, most) = (self.duration / self.step * f64::from(self.substeps), u32::MAX);
         if steps > f64::from(most) {
-            let words = format!("would take {steps:.3e} steps, substeps included; expected at most {most}");
-            return Err(reader.fault("duration", words));
+            at.fault("duration", format!("would take {steps:.3e} steps, substeps included; expected at most {most}"));
         }
         let frames = self.duration.max(self.step) * self.frame_rate;
         if frames > f64::from(most) {
-            return Err(reader.fault("frame_rate", format!("would give {frames:.3e} frames; expected at most {most}")));
+            at.fault("frame_rate", format!("would give {frames:.3e} frames; expected at most {most}"));
         }
-        Ok(self)
     }
 }
 
 table! {
     /// `[interaction]`: how hair and air meet.
     #[derive(Debug, Clone, PartialEq)]
-    pub struct Interaction {
+    pub struct Interaction => CheckedInteraction, with defaults {
         /// Model of the interaction: one fluid of particles; hair and air particles that exchange drag; lift and drag
         /// of the mean wind; hair alone.
-        model: Model = Choice(Model::WORDS), "", Fallback::Method(Model::TwoWay, Model::Particles);
+        model: Model = Choice(Model::WORDS), "", Fallback::Method(Model::TwoWay, Model::Particles) => method;
         /// Lift coefficient C_l of a segment across the wind (models `two-way` and `drag`, and hair outside the box of
         /// model `particles`).
         lift: f64 = NonNegative, "", Value(0.0);
@@ -207,12 +247,15 @@ impl Model {
 table! {
     /// `[fluid]`: what keeps air, and hair among it, from being compressed.
     #[derive(Debug, Clone, PartialEq)]
-    pub struct Fluid {
+    pub struct Fluid => CheckedFluid, with defaults {
         /// Solver of the air: a constraint on how its velocity diverges, or one on its density by moves (position-based
         /// fluids).
-        solver: FluidSolver = Choice(FluidSolver::WORDS), "", Fallback::Method(FluidSolver::Divergence, FluidSolver::Pbf);
+        solver: FluidSolver = Choice(FluidSolver::WORDS), "", Fallback::Method(FluidSolver::Divergence, FluidSolver::Pbf) => method;
         /// Iterations of the pressure of solver divergence.
-        pressure_iterations: Option<u32> = Count(1, MAX_PRESSURE_ITERATIONS), "", Derived("2, or 4 with model particles");
+        pressure_iterations: u32 = Count(1, MAX_PRESSURE_ITERATIONS), "", Derived("2, or 4 with model particles") => value(|scene| {
+            // Two are few where hair is in air's own sums (`docs/decisions/air.md`).
+            if scene.model() == Model::Particles { 4 } else { 2 }
+        });
         /// Whether solver divergence solves for the pressure on a coarse grid first; not with model particles.
         coarse: bool = Bool, "", Value(true);
         /// Jacobi iterations of the density constraint: of solver pbf, and of hair on hair with model two-way; 0 leaves
@@ -220,14 +263,6 @@ table! {
         iterations: u32 = Count(0, MAX_REPEATS), "", Value(2);
         /// Fraction of a Jacobi step that the density constraint takes.
         relaxation: f64 = Positive, "", Value(0.5);
-    }
-}
-
-impl Fluid {
-    /// Solver pbf with these numbers of the density constraint.
-    #[must_use]
-    pub fn pbf(iterations: u32, relaxation: f64) -> Self {
-        Self { solver: FluidSolver::Pbf, pressure_iterations: None, coarse: false, iterations, relaxation }
     }
 }
 
@@ -241,7 +276,63 @@ words! {
     }
 }
 
-impl Scene {
+impl CheckedScene {
+    pub(crate) fn new(scene: Scene, values: SceneValues) -> Self {
+        Self { scene, values, text: OnceLock::new() }
+    }
+
+    /// The scene as it was written.
+    #[must_use]
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// The scene as text: [`Scene::text_now`].
+    #[must_use]
+    pub fn text(&self) -> &str {
+        self.text.get_or_init(|| self.scene.text_now())
+    }
+
+    /// The text for a scene file in `folder`, which is there: [`Self::text`] with paths of files that start from the
+    /// folder. Only on another drive of Windows a path stays absolute.
+    #[must_use]
+    pub fn text_in(&self, folder: &Path) -> String {
+        load::text_in(self.text(), folder)
+    }
+
+    /// The scene with values that the caller vouches for: nothing checks them. For a wind that was set, hair and
+    /// particles of a caller's own, and tests.
+    #[doc(hidden)]
+    #[must_use]
+    pub fn assuming(&self, change: impl FnOnce(&mut Scene, &mut SceneValues)) -> Self {
+        let (mut scene, mut values) = (self.scene.clone(), self.values.clone());
+        change(&mut scene, &mut values);
+        Self::new(scene, values)
+    }
+}
+
+/// A scene that is checked, or is checked where it is used.
+pub trait AsChecked {
+    /// The checked scene.
+    ///
+    /// # Errors
+    /// As [`Scene::check`].
+    fn as_checked(&self) -> Result<Cow<'_, CheckedScene>, SceneError>;
+}
+
+impl AsChecked for CheckedScene {
+    fn as_checked(&self) -> Result<Cow<'_, CheckedScene>, SceneError> {
+        Ok(Cow::Borrowed(self))
+    }
+}
+
+impl AsChecked for Scene {
+    fn as_checked(&self) -> Result<Cow<'_, CheckedScene>, SceneError> {
+        self.check().map(Cow::Owned)
+    }
+}
+
+impl SceneValues {
     /// Reason why the pressure is not solved for on a coarse grid; `None` if it is.
     #[must_use]
     pub fn why_no_coarse(&self) -> Option<&'static str> {
@@ -266,12 +357,6 @@ impl Scene {
     #[must_use]
     pub fn has_coarse_grid(&self) -> bool {
         self.why_no_coarse().is_none()
-    }
-
-    /// Iterations of the pressure: two are few where hair is in air's own sums (`docs/decisions/air.md`).
-    #[must_use]
-    pub fn pressure_iterations(&self) -> u32 {
-        self.fluid.pressure_iterations.unwrap_or(if self.interaction.model == Model::Particles { 4 } else { 2 })
     }
 
     /// Part of its unevenness that still air of solver `divergence` takes out in a substep (`docs/decisions/air.md`):
@@ -314,7 +399,7 @@ impl Scene {
     ///
     /// # Errors
     /// [`SceneError`] with the key of `hair.roots` that names what is not there.
-    pub(crate) fn scalp(&self, scalp: &Scalp) -> Result<(&Body, &Solid, Vec<usize>), SceneError> {
+    pub(crate) fn scalp(&self, scalp: &Scalp) -> Result<(&CheckedBody, &Solid, Vec<usize>), SceneError> {
         let fault = |key: &str, what: &str, found: &str, known: Vec<&str>| {
             let known = if known.is_empty() { "there is none".to_owned() } else { known.join(", ") };
             SceneError::new(format!("expected {what}, found \"{found}\": {known}")).at(key, None)
@@ -343,83 +428,113 @@ impl Scene {
     /// `None` where there are no such triangles.
     #[must_use]
     pub fn spread_of_roots(&self, roots: &Roots) -> Option<f64> {
-        match roots {
-            Roots::Patch(patch) => Some(patch.radius),
-            Roots::Mesh(scalp) => {
-                let (_, solid, triangles) = self.scalp(scalp).ok()?;
-                let total: f64 = triangles.into_iter().map(|i| area(solid.corners(i))).sum();
-                Some((total / PI).sqrt())
-            }
-        }
+        let Roots::Mesh(scalp) = roots else { return roots.patch().map(|patch| patch.radius) };
+        let (_, solid, triangles) = self.scalp(scalp).ok()?;
+        let total: f64 = triangles.into_iter().map(|i| area(solid.corners(i))).sum();
+        Some((total / PI).sqrt())
     }
 
     /// Roots on a body whose hair has no keyframes of its own move as the body does.
-    fn with_roots_on_bodies(mut self, reader: &Reader<'_>) -> Result<Self, SceneError> {
+    fn move_roots_with_bodies(&mut self, at: &At<'_>) {
         for i in 0..self.hair.len() {
             let Some(Roots::Mesh(scalp)) = self.hair[i].drawn().map(|drawn| &drawn.roots) else { continue };
-            let found = self.scalp(scalp);
-            let found = found.map(|(body, ..)| body.motion.clone());
-            let motion = found.map_err(|error| {
-                reader.fault(&format!("hair.{i}.roots.{}", error.key().unwrap_or("body")), error.message())
-            })?;
-            if self.hair[i].motion.keyframes.is_empty() {
-                self.hair[i].motion = motion;
+            match self.scalp(scalp).map(|(body, ..)| body.motion.clone()) {
+                Ok(motion) if self.hair[i].motion.keyframes.is_empty() => self.hair[i].motion = motion,
+                Ok(_) => {}
+                Err(error) => at.fault_of(&error.within(&format!("hair.{i}.roots")), "hair", ""),
             }
         }
-        Ok(self)
+    }
+}
+
+impl Scene {
+    /// A scene of an accurate method, without hair, bodies, air and turbulence.
+    #[must_use]
+    pub fn new(time: Time) -> Self {
+        Self {
+            title: String::new(),
+            method: Method::Accurate,
+            gravity: [0.0, -9.81, 0.0],
+            seed: SEED,
+            time,
+            hair: Vec::new(),
+            bodies: Vec::new(),
+            forces: Vec::new(),
+            air: None,
+            interaction: Interaction::default(),
+            fluid: Fluid::default(),
+            turbulence: Turbulence::default(),
+            viscosity: Viscosity::default(),
+            rods: Rods::default(),
+            camera: Camera::default(),
+            picture: Picture::default(),
+            source: Source::default(),
+        }
     }
 
-    /// The scene, if keys of different tables go together.
-    fn checked(self, reader: &Reader<'_>) -> Result<Self, SceneError> {
+    /// Model of the interaction, by the method where the scene does not say it.
+    pub(crate) fn model(&self) -> Model {
+        let default = if self.method == Method::Published { Model::Particles } else { Model::TwoWay };
+        self.interaction.model.unwrap_or(default)
+    }
+
+    /// Solver of the air, by the method where the scene does not say it.
+    pub(crate) fn fluid_solver(&self) -> FluidSolver {
+        let default = if self.method == Method::Published { FluidSolver::Pbf } else { FluidSolver::Divergence };
+        self.fluid.solver.unwrap_or(default)
+    }
+
+    /// Keys of different tables must go together.
+    fn check_together(&self, checked: &mut SceneValues, _: &Self, at: &At<'_>) {
         let names = |table: &'static str, names: Vec<&String>| {
             let mut seen = HashSet::with_capacity(names.len());
-            let again = names.into_iter().enumerate().find(|(_, name)| !seen.insert(*name));
-            again.map_or(Ok(()), |(i, name)| {
+            for (i, name) in names.into_iter().enumerate().filter(|(_, name)| !seen.insert(*name)) {
                 let words = format!("expected a name of its own for each [[{table}]], found \"{name}\" a second time");
-                Err(reader.fault(&format!("{table}.{i}.name"), words))
-            })
+                at.fault(&format!("{table}.{i}.name"), words);
+            }
         };
-        names("hair", self.hair.iter().map(|hair| &hair.name).collect())?;
-        names("body", self.bodies.iter().map(|body| &body.name).collect())?;
-        names("force", self.forces.iter().map(|force| &force.name).collect())?;
+        names("hair", self.hair.iter().map(|hair| &hair.name).collect());
+        names("body", self.bodies.iter().map(|body| &body.name).collect());
+        names("force", self.forces.iter().map(|force| &force.name).collect());
         let mut keyframes = 0;
-        for (i, force) in self.forces.iter().enumerate() {
+        for (i, force) in checked.forces.iter().enumerate() {
+            let before = keyframes;
             keyframes += force.strengths().len();
-            if keyframes > MAX_STRENGTH_KEYFRAMES {
+            if before <= MAX_STRENGTH_KEYFRAMES && keyframes > MAX_STRENGTH_KEYFRAMES {
                 let words =
                     format!("makes {keyframes} keyframes of force fields; expected at most {MAX_STRENGTH_KEYFRAMES}");
-                return Err(reader.fault(&format!("force.{i}.keyframes"), words));
+                at.fault(&format!("force.{i}.keyframes"), words);
             }
         }
         let mut points = 0u64;
         for (i, hair) in self.hair.iter().enumerate() {
+            let (before, most) = (points, u64::from(MAX_HAIR_POINTS));
             points += hair.drawn().map_or(0, |drawn| u64::from(drawn.strands) * u64::from(drawn.points));
-            if points > u64::from(MAX_HAIR_POINTS) {
-                let words = format!("makes {points} hair points; expected at most {MAX_HAIR_POINTS}");
-                return Err(reader.fault(&format!("hair.{i}.strands"), words));
+            if before <= most && points > most {
+                at.fault(&format!("hair.{i}.strands"), format!("makes {points} hair points; expected at most {most}"));
             }
         }
-        let clamped = self.hair.iter().position(|hair| hair.tip == End::Clamped);
-        if let Some(i) = clamped.filter(|_| self.rods.solver == Solver::GaussSeidel) {
-            return Err(reader.fault(&format!("hair.{i}.tip"), CLAMPED_TIP));
+        if checked.rods.solver == Solver::GaussSeidel {
+            if let Some(i) = self.hair.iter().position(|hair| hair.tip == End::Clamped) {
+                at.fault(&format!("hair.{i}.tip"), CLAMPED_TIP);
+            }
+            if !self.bodies.is_empty() && !self.hair.is_empty() {
+                let words = "expected \"direct\", which alone knows bodies; method \"published\" has \"gauss-seidel\"";
+                at.fault("rods.solver", words);
+            }
         }
-        if !self.bodies.is_empty() && !self.hair.is_empty() && self.rods.solver == Solver::GaussSeidel {
-            let words = "expected \"direct\", which alone knows bodies; method \"published\" has \"gauss-seidel\"";
-            return Err(reader.fault("rods.solver", words.to_owned()));
-        }
-        if self.air.is_none() && self.interaction.model != Model::None {
-            let model = self.interaction.model;
+        let model = checked.interaction.model;
+        if self.air.is_none() && model != Model::None {
             let needs = if model.has_air() { "air.box and air.wind" } else { "air.wind" };
-            let words = format!("is missing: interaction.model = \"{}\" needs {needs}", model.word());
-            return Err(reader.fault("air", words));
+            at.fault("air", format!("is missing: interaction.model = \"{}\" needs {needs}", model.word()));
         }
-        if self.viscosity.smagorinsky > 0.0 && self.fluid.solver == FluidSolver::Pbf {
+        if checked.viscosity.smagorinsky > 0.0 && checked.fluid.solver == FluidSolver::Pbf {
             let words = "expected 0: fluid.solver is \"pbf\", as method \"published\" has it; small eddies go with \"divergence\"";
-            return Err(reader.fault("viscosity.smagorinsky", words.to_owned()));
+            at.fault("viscosity.smagorinsky", words);
         }
-        self.check_bands(reader)?;
-        self.check_bodies(reader)?;
-        self.check_picture(reader)?;
-        self.with_roots_on_bodies(reader)
+        checked.check_bands(self, at);
+        checked.check_bodies(at);
+        checked.check_picture(at);
+        checked.move_roots_with_bodies(at);
     }
 }

@@ -12,11 +12,20 @@ use glam::{DMat3, DQuat, DVec3};
 
 use crate::{
     curves::{file_bytes, no_unit},
+    declare::{Field, Row, table},
     error::SceneError,
+    faults::At,
+    keys::{
+        Fallback::{Derived, Required, Value},
+        Key, Kind,
+        Kind::{Choice, Length, Path as PathOf, Positive, Table},
+    },
+    reader::Reader,
     scatter::Areas,
-    scene::Up,
+    scene::{Scene, Up},
     triangles::{DistanceGrid, Triangles, cache},
     units::with_scale,
+    write::Writer,
 };
 
 /// Cells that a grid reaches beyond its surface: half a particle spacing of air is within, where distances are those of
@@ -27,17 +36,48 @@ const MARGIN: f64 = 10.0;
 /// too many nodes, its scale may be that of other units.
 pub(crate) const LIKELY: RangeInclusive<f64> = 0.05..=2.0;
 
-/// A mesh file, and how its triangles become a solid.
-#[derive(Debug, Clone, PartialEq)]
-pub struct MeshFile {
-    /// File of triangles: .obj, .ply or .glb.
-    pub file: String,
-    /// Metres per unit of the file; none where the file says it.
-    pub scale: Option<f64>,
-    /// Axis of the file that points up, or the axes of the file that become x, y and z.
-    pub up: Up,
-    /// Spacing of the grid of distances \[m\]; none for [`DistanceGrid::spacing_for`] the surface.
-    pub resolution: Option<f64>,
+table! {
+    /// A mesh file, and how its triangles become a solid.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct MeshFile, becomes Solid, by Solid::of_scene {
+        /// Mesh file whose triangles enclose the body (.obj, .ply, .glb).
+        file: String = PathOf, "", Required;
+        /// Metres per unit of the file: 0.01 for centimetres.
+        scale: Option<f64> = Positive, "m", Derived("needed with shape mesh, unless the file says its unit");
+        /// Axis of the file that points up, or the axes of the file that become x, y and z; xzy, yxz and zyx mirror.
+        up: Up = Choice(Up::WORDS), "", Value(Up::Y);
+        /// Spacing of the grid of distances from the mesh.
+        resolution: Option<f64> = Length, "m", Derived("0.002, or less: 128 cells along its longest side");
+        /// Solid of the caller's own, in place of the file's. A scene's text cannot say it.
+        solid as "": Option<Solid> = Table, "", Derived("");
+    }
+}
+
+impl MeshFile {
+    /// A file that says its unit and points up along y.
+    #[must_use]
+    pub fn new(file: impl Into<String>) -> Self {
+        Self { file: file.into(), scale: None, up: Up::Y, resolution: None, solid: None }
+    }
+}
+
+/// A solid has no keys of its own.
+impl Field for Solid {
+    type Checked = Self;
+
+    fn list(_: Row<Self>, _: &str, _: &mut Vec<Key>) {}
+
+    fn read(_: Row<Self>, _: &Reader<'_>) -> Option<Self> {
+        None
+    }
+
+    fn write(&self, _: &'static str, _: &mut Writer) {}
+
+    fn find(&self, _: &'static str, _: Kind, _: &At<'_>) {}
+
+    fn check(&self, _: &'static str, _: Kind, _: &Scene, _: &At<'_>) -> Option<Self> {
+        Some(self.clone())
+    }
 }
 
 /// Places where a grid is compared with its triangles: a hundredth of them says enough.
@@ -52,7 +92,7 @@ const EVENLY: [f64; 2] = [0.754_877_666_246_693, 0.569_840_290_998_053];
 /// memory.
 #[derive(Debug, Clone)]
 pub struct Solid {
-    file: MeshFile,
+    file: Arc<MeshFile>,
     content: Arc<Content>,
     /// Rotation from the file's axes, after `up`, to the world's.
     rotation: DQuat,
@@ -117,23 +157,7 @@ impl Solid {
     /// [`SceneError`] where the file cannot be read, does not say its unit, or encloses nothing, and where the grid would be too large.
     /// The error names the key of the [`MeshFile`] that is at fault: `file`, `scale`, `up`, or `resolution` where that is said.
     pub fn load(file: MeshFile) -> Result<Self, SceneError> {
-        Self::load_beside(file, Path::new(""))
-    }
-
-    /// Volume that triangles in metres enclose, with a grid of this spacing \[m\], or of
-    /// [`DistanceGrid::spacing_for`] them. It has no file, so that a scene's text cannot say it.
-    ///
-    /// # Errors
-    /// As [`DistanceGrid::bake`].
-    pub fn enclosed(triangles: Triangles, resolution: Option<f64>) -> Result<Self, SceneError> {
-        let file = MeshFile { file: String::new(), scale: Some(1.0), up: Up::Y, resolution };
-        let content = Arc::new(Content::new(triangles, &file)?);
-        Ok(Self { file, content, rotation: DQuat::IDENTITY, origin: DVec3::ZERO })
-    }
-
-    /// As [`Self::load`], with a relative path looked for in `folder`.
-    pub(crate) fn load_beside(file: MeshFile, folder: &Path) -> Result<Self, SceneError> {
-        let path = folder.join(&file.file);
+        let path = Path::new(&file.file).to_owned();
         let of_file = |error: SceneError| error.at("file", None);
         let bytes = file_bytes(&path).map_err(of_file)?;
         let mut hasher = DefaultHasher::new();
@@ -157,7 +181,27 @@ impl Solid {
                 content
             }
         };
-        Ok(Self { file, content, rotation: DQuat::IDENTITY, origin: DVec3::ZERO })
+        Ok(Self { file: Arc::new(file), content, rotation: DQuat::IDENTITY, origin: DVec3::ZERO })
+    }
+
+    /// The solid of a scene's mesh.
+    fn of_scene(file: &MeshFile, at: &At<'_>) -> Option<Self> {
+        if let Some(own) = &file.solid {
+            return Some(own.clone());
+        }
+        let loaded = Self::load(file.clone());
+        loaded.map_err(|error| at.fault_of(&error, "file", &format!("{}: ", file.file))).ok()
+    }
+
+    /// Volume that triangles in metres enclose, with a grid of this spacing \[m\], or of
+    /// [`DistanceGrid::spacing_for`] them. It has no file, so that a scene's text cannot say it.
+    ///
+    /// # Errors
+    /// As [`DistanceGrid::bake`].
+    pub fn enclosed(triangles: Triangles, resolution: Option<f64>) -> Result<Self, SceneError> {
+        let file = MeshFile { scale: Some(1.0), resolution, ..MeshFile::new("") };
+        let content = Arc::new(Content::new(triangles, &file)?);
+        Ok(Self { file: Arc::new(file), content, rotation: DQuat::IDENTITY, origin: DVec3::ZERO })
     }
 
     /// The file that the solid is of.

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::{DMat3, DQuat, DVec3};
 
 use crate::{
-    scene::{Fibre, Stiffness},
+    scene::{Fibre, Moduli, Stiffness, StrandStiffness},
     strands::{End, Ends, Strands},
 };
 
@@ -23,8 +23,10 @@ impl Fibre {
     /// Stiffness to stretch and to shear, EA and GA \[N\].
     pub(crate) fn stretch(&self, part: f64) -> (f64, f64) {
         let (stretch, poissons_ratio) = match self.stiffness {
-            Stiffness::Moduli { youngs_modulus, poissons_ratio } => (youngs_modulus * self.area(part), poissons_ratio),
-            Stiffness::Direct { stretch, poissons_ratio, .. } => (stretch, poissons_ratio),
+            Stiffness::Moduli(Moduli { youngs_modulus, poissons_ratio }) => {
+                (youngs_modulus * self.area(part), poissons_ratio)
+            }
+            Stiffness::Direct(StrandStiffness { stretch, poissons_ratio, .. }) => (stretch, poissons_ratio),
         };
         (stretch, stretch / (2.0 * (1.0 + poissons_ratio)))
     }
@@ -33,7 +35,7 @@ impl Fibre {
     /// d2 has the moments π a³ b/4, π a b³/4 and Saint-Venant's π a³ b³/(a² + b²).
     pub(crate) fn bend(&self, part: f64) -> DVec3 {
         match self.stiffness {
-            Stiffness::Moduli { youngs_modulus, poissons_ratio } => {
+            Stiffness::Moduli(Moduli { youngs_modulus, poissons_ratio }) => {
                 let shear_modulus = youngs_modulus / (2.0 * (1.0 + poissons_ratio));
                 let (a, b) = (self.radius_at(part), self.aspect * self.radius_at(part));
                 let (along, across) = (0.25 * PI * a.powi(3) * b, 0.25 * PI * a * b.powi(3));
@@ -41,7 +43,7 @@ impl Fibre {
                 self.fibres_per_strand
                     * DVec3::new(youngs_modulus * along, youngs_modulus * across, shear_modulus * twist)
             }
-            Stiffness::Direct { bend, twist, .. } => DVec3::new(bend, bend, twist),
+            Stiffness::Direct(StrandStiffness { bend, twist, .. }) => DVec3::new(bend, bend, twist),
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::{
     declare::words,
     error::SceneError,
     limits::{MAX_HAIR_POINTS, MAX_POINTS_OF_A_STRAND, STRAND_MAGNITUDES},
-    scene::{FRICTION, Hair, Scene},
+    scene::{FRICTION, Hair, SceneValues},
 };
 
 /// Strands: arrays per point, per segment, per joint and per strand. Points are in strand order, root to tip.
@@ -174,12 +174,12 @@ impl Strands {
     }
 
     /// Index in the scene of the group of strand `s`, if it has one.
-    fn group_index(&self, s: usize, scene: &Scene) -> Option<usize> {
+    fn group_index(&self, s: usize, scene: &SceneValues) -> Option<usize> {
         self.group.get(s).map(|group| *group as usize).filter(|group| *group < scene.hair.len())
     }
 
     /// The group of strand `s`, if it has one.
-    pub(crate) fn group<'a>(&self, s: usize, scene: &'a Scene) -> Option<&'a Hair> {
+    pub(crate) fn group<'a>(&self, s: usize, scene: &'a SceneValues) -> Option<&'a Hair> {
         self.group_index(s, scene).map(|group| &scene.hair[group])
     }
 
@@ -196,13 +196,13 @@ impl Strands {
     }
 
     /// Name in messages of the group of strand `s`: as [`Scene::called`], or `groom` where the scene has no hair.
-    pub(crate) fn origin(&self, s: usize, scene: &Scene) -> String {
+    pub(crate) fn origin(&self, s: usize, scene: &SceneValues) -> String {
         self.group_index(s, scene).map_or_else(|| "groom".to_owned(), |group| scene.called(group))
     }
 
     /// The real path of the table that strand `s` comes from, for [`Scene::located`]; `groom` where the scene has no
     /// hair.
-    pub(crate) fn table(&self, s: usize, scene: &Scene) -> String {
+    pub(crate) fn table(&self, s: usize, scene: &SceneValues) -> String {
         self.group_index(s, scene).map_or_else(|| "groom".to_owned(), |group| format!("hair.{group}"))
     }
 
@@ -290,7 +290,7 @@ impl Strands {
     }
 
     /// Whether `f32` holds what the strands are made of, with room for the squares of a step.
-    pub(crate) fn representable(&self, scene: &Scene) -> Result<(), SceneError> {
+    pub(crate) fn representable(&self, scene: &SceneValues) -> Result<(), SceneError> {
         let held = |x: f64| x == 0.0 || STRAND_MAGNITUDES.contains(&x.abs());
         for s in 0..self.len() {
             let points = self.points(s).map(|i| ("inverse mass of a point, 1/kg", self.inverse_mass[i]));

@@ -3,12 +3,12 @@
 use glam::DVec3;
 
 use crate::{
-    body::{Shape, blocked},
+    body::{CheckedShape, blocked},
     box_fit,
     force::ForceField,
     initial::AirParticles,
     limits::MAX_REPEATS,
-    scene::{Air, Bounds, FRICTION, FluidSolver, Law, Model, Scene},
+    scene::{Bounds, CheckedAir, CheckedScene, FRICTION, FluidSolver, Law, Model, SceneValues},
     solid,
     strands::Strands,
     units::with_scale,
@@ -49,7 +49,7 @@ const WAY: f64 = 0.9;
 const WEAK: f64 = 0.3;
 
 /// Warnings about step, wind, particles and bands.
-pub(crate) fn of_air(scene: &Scene, air: &Air, particles: &AirParticles) -> Vec<String> {
+pub(crate) fn of_air(scene: &SceneValues, air: &CheckedAir, particles: &AirParticles) -> Vec<String> {
     let mut warnings = Vec::from_iter(of_wind(scene, air));
     let spacing = particles.volume.cbrt();
     for jet in scene.forces.iter().filter(|force| force.field == ForceField::Jet && air.is_still()) {
@@ -88,7 +88,7 @@ pub(crate) fn of_air(scene: &Scene, air: &Air, particles: &AirParticles) -> Vec<
 }
 
 /// A warning where the fastest band would be strengthened to a speed that steps do not resolve.
-fn of_eddies(scene: &Scene, air: &Air) -> Option<String> {
+fn of_eddies(scene: &SceneValues, air: &CheckedAir) -> Option<String> {
     if scene.turbulence.law == Law::Published {
         return None;
     }
@@ -112,7 +112,7 @@ fn of_eddies(scene: &Scene, air: &Air) -> Option<String> {
 }
 
 /// A warning where the mean wind and a force field carry air farther in a substep than its pressure keeps up with.
-pub(crate) fn of_wind(scene: &Scene, air: &Air) -> Option<String> {
+pub(crate) fn of_wind(scene: &SceneValues, air: &CheckedAir) -> Option<String> {
     let way = scene.largest_wind() * scene.time.step / air.particle_volume().cbrt();
     let most = farthest(scene);
     if way <= most * f64::from(scene.time.substeps) {
@@ -132,7 +132,7 @@ pub(crate) fn of_wind(scene: &Scene, air: &Air) -> Option<String> {
 
 /// Way of the air in a step for which its pressure is right \[particle spacings\]. The coarse grid doubles it where
 /// eddies are weak.
-fn farthest(scene: &Scene) -> f64 {
+fn farthest(scene: &SceneValues) -> f64 {
     match scene.fluid.solver {
         FluidSolver::Divergence if scene.has_coarse_grid() && has_weak_eddies(scene) => WAY,
         FluidSolver::Divergence => 0.45,
@@ -141,7 +141,7 @@ fn farthest(scene: &Scene) -> f64 {
 }
 
 /// Whether nothing but hair stirs air by more than [`WEAK`] of the largest wind.
-fn has_weak_eddies(scene: &Scene) -> bool {
+fn has_weak_eddies(scene: &SceneValues) -> bool {
     let turbulence = &scene.turbulence;
     let bands: f64 = turbulence.bands.iter().map(|band| band.intensity * turbulence.speed).sum();
     let stirred = !scene.forces.is_empty() || scene.air.as_ref().is_some_and(|air| air.inflow.is_some());
@@ -149,8 +149,8 @@ fn has_weak_eddies(scene: &Scene) -> bool {
 }
 
 /// Warnings about keys that say what the scene's solver, model or method leaves out.
-pub(crate) fn of_idle(scene: &Scene) -> Vec<String> {
-    let (fluid, pbf) = (&scene.fluid, scene.fluid.solver == FluidSolver::Pbf);
+pub(crate) fn of_idle(scene: &CheckedScene) -> Vec<String> {
+    let (fluid, pbf) = (&scene.scene().fluid, scene.fluid.solver == FluidSolver::Pbf);
     let mut warnings = Vec::new();
     let mut idle = |idle: bool, key: &str, why: &str| {
         if idle {
@@ -172,7 +172,7 @@ pub(crate) fn of_idle(scene: &Scene) -> Vec<String> {
 }
 
 /// A warning for each force field that neither air nor hair ever comes near to; `air` is where particles are.
-pub(crate) fn of_fields(scene: &Scene, hair: &Strands, air: &AirParticles) -> Vec<String> {
+pub(crate) fn of_fields(scene: &SceneValues, hair: &Strands, air: &AirParticles) -> Vec<String> {
     if scene.interaction.model == Model::None {
         return Vec::new();
     }
@@ -200,7 +200,7 @@ pub(crate) fn of_place(hair: &Strands) -> Option<String> {
 }
 
 /// A warning for each group of strands whose friction was chosen where nothing presses hair on hair.
-pub(crate) fn of_friction(scene: &Scene, hair: &Strands) -> Vec<String> {
+pub(crate) fn of_friction(scene: &SceneValues, hair: &Strands) -> Vec<String> {
     let Some(why) = scene.why_no_friction() else { return Vec::new() };
     let chosen = (0..hair.len()).filter(|&s| ![0.0, FRICTION].contains(&hair.friction(s)));
     let mut origins: Vec<String> = chosen.map(|s| hair.origin(s, scene)).collect();
@@ -236,8 +236,8 @@ pub(crate) fn of_hair(hair: &Strands, air: &AirParticles, wind: DVec3) -> Vec<St
 
 /// A warning about hair that starts inside bodies, by more than rounding and grids make of a surface: points, and
 /// segments whose two points are outside.
-pub(crate) fn of_bodies(hair: &Strands, bodies: &[Shape]) -> Option<String> {
-    let slack: Vec<f64> = bodies.iter().map(Shape::slack).collect();
+pub(crate) fn of_bodies(hair: &Strands, bodies: &[CheckedShape]) -> Option<String> {
+    let slack: Vec<f64> = bodies.iter().map(CheckedShape::slack).collect();
     let bodies = || bodies.iter().zip(&slack);
     let inside = |x: &DVec3| bodies().any(|(body, slack)| body.signed_distance(*x).0 < -slack);
     let n = hair.positions.iter().filter(|x| inside(x)).count();
@@ -252,7 +252,7 @@ pub(crate) fn of_bodies(hair: &Strands, bodies: &[Shape]) -> Option<String> {
 
 /// Whether a segment between two points outside is deeper inside a body than `slack` \[m\] somewhere. A step from a
 /// place leads as far as no place inside can be: a trilinear distance grows by at most √3 m in a metre.
-fn crosses(body: &Shape, slack: f64, [from, to]: [DVec3; 2]) -> bool {
+fn crosses(body: &CheckedShape, slack: f64, [from, to]: [DVec3; 2]) -> bool {
     let length = from.distance(to);
     let least = length / STEPS_ALONG;
     let mut at = 0.0;
@@ -268,7 +268,7 @@ fn crosses(body: &Shape, slack: f64, [from, to]: [DVec3; 2]) -> bool {
 
 /// Warnings about meshes that are so small that their scale may be that of other units, have a large part missing, or
 /// more detail than their grids.
-pub(crate) fn of_meshes(scene: &Scene) -> Vec<String> {
+pub(crate) fn of_meshes(scene: &SceneValues) -> Vec<String> {
     let mut warnings = Vec::new();
     for (name, solid) in scene.bodies.iter().filter_map(|body| Some((&body.name, body.shape.solid()?))) {
         let (size, covered) = (solid.size(), solid.covered());
@@ -301,7 +301,7 @@ pub(crate) fn of_meshes(scene: &Scene) -> Vec<String> {
 /// A warning for each body beside which air goes too far in a substep for its density to stay even: more than a quarter
 /// of the radius of a round body, or more than 0.9 particle spacings where the body moves. The error of the density is
 /// 0.8 (U Δt/R)² (`docs/decisions/air.md`).
-pub(crate) fn of_way_beside(scene: &Scene, air: &Air) -> Vec<String> {
+pub(crate) fn of_way_beside(scene: &SceneValues, air: &CheckedAir) -> Vec<String> {
     if scene.fluid.solver == FluidSolver::Pbf {
         return Vec::new();
     }
@@ -328,7 +328,12 @@ pub(crate) fn of_way_beside(scene: &Scene, air: &Air) -> Vec<String> {
 }
 
 /// Warnings about bodies that the wind must pass, or that it steps over.
-pub(crate) fn of_blocked(scene: &Scene, air: &Air, bounds: &Bounds, bodies: &[Shape]) -> Vec<String> {
+pub(crate) fn of_blocked(
+    scene: &SceneValues,
+    air: &CheckedAir,
+    bounds: &Bounds,
+    bodies: &[CheckedShape],
+) -> Vec<String> {
     let mut warnings = Vec::new();
     let far = scene.largest_wind() * scene.time.step / f64::from(scene.time.substeps);
     for body in scene.bodies.iter().filter(|body| far > 2.0 * body.shape.inradius()) {

@@ -7,11 +7,10 @@ use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 
 use crate::{
-    error::SceneError,
+    faults::At,
     limits::FASTEST_WIND,
     motion::Motion,
-    reader::Reader,
-    scene::{Air, Inflow},
+    scene::{CheckedAir, Gust, Inflow},
 };
 
 /// Number of waves that inflow turbulence is made of.
@@ -34,11 +33,10 @@ pub struct InflowWave {
 }
 
 impl Inflow {
-    /// Waves of one amplitude for a box of `size` \[m\], the same on every machine: the band of `scale` has the rms
+    /// Waves of one amplitude for a box of `size` \[m\], drawn by `seed`, the same on every machine: the band of `scale` has the rms
     /// speed `intensity` in them, in parts of the wind's.
-    #[must_use]
-    pub fn waves(&self, size: DVec3) -> Vec<InflowWave> {
-        let mut rng = Pcg64::seed_from_u64(self.seed);
+    fn waves(&self, seed: u64, size: DVec3) -> Vec<InflowWave> {
+        let mut rng = Pcg64::seed_from_u64(seed);
         let mut wave = || {
             let direction = direction(&mut rng);
             let wanted = rng.random_range(SPREAD) * SQRT_2 / self.scale * direction;
@@ -82,14 +80,27 @@ fn direction(rng: &mut Pcg64) -> DVec3 {
 }
 
 /// Refuses the key of a wind that no air has, of this speed \[m/s\].
-pub(crate) fn check_speed(reader: &Reader<'_>, key: &str, speed: f64) -> Result<(), SceneError> {
-    if speed.abs() <= FASTEST_WIND {
-        return Ok(());
+pub(crate) fn check_speed(at: &At<'_>, key: &str, speed: f64) {
+    if speed.abs() > FASTEST_WIND {
+        at.fault(key, format!("expected at most {FASTEST_WIND:e} m/s, found {:?} m/s", speed.abs()));
     }
-    Err(reader.fault(key, format!("expected at most {FASTEST_WIND:e} m/s, found {:?} m/s", speed.abs())))
 }
 
-impl Air {
+/// The largest mean wind \[m/s\] of this wind with these gusts, ramp or not.
+pub(crate) fn largest(wind: [f64; 3], gust: &[Gust]) -> f64 {
+    let risen = DVec3::from_array(wind);
+    let gusts = gust.iter().map(|gust| (risen + DVec3::from_array(gust.velocity)).length());
+    let before = if gust.first().is_none_or(|gust| gust.time > 0.0) { risen.length() } else { 0.0 };
+    gusts.fold(before, f64::max)
+}
+
+impl CheckedAir {
+    /// Waves of the turbulence that enters with the wind, for a box of `size` \[m\]; none without it.
+    #[must_use]
+    pub fn inflow_waves(&self, size: DVec3) -> Vec<InflowWave> {
+        self.inflow.map_or_else(Vec::new, |inflow| inflow.waves(self.seed, size))
+    }
+
     /// Part of the wind that has risen at `time` \[s\]: 0 to 1.
     #[must_use]
     pub fn risen(&self, time: f64) -> f64 {
@@ -129,10 +140,7 @@ impl Air {
     /// The largest mean wind \[m/s\], gusts included, ramp or not.
     #[must_use]
     pub fn largest_wind(&self) -> f64 {
-        let risen = DVec3::from_array(self.wind);
-        let gusts = self.gust.iter().map(|gust| (risen + DVec3::from_array(gust.velocity)).length());
-        let before = if self.gust.first().is_none_or(|gust| gust.time > 0.0) { risen.length() } else { 0.0 };
-        gusts.fold(before, f64::max)
+        largest(self.wind, &self.gust)
     }
 
     /// Largest speed of the mean wind past a thing that moves so \[m/s\]: of any wind of the scene, and any part of the
@@ -161,7 +169,7 @@ impl Air {
     }
 
     /// Mean wind U once it has risen \[m/s\], without gusts.
-    pub(crate) fn wind(&self) -> DVec3 {
+    pub(crate) fn mean_wind(&self) -> DVec3 {
         DVec3::from_array(self.wind)
     }
 }

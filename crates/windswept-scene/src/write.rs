@@ -10,7 +10,7 @@ use crate::{
 };
 
 impl Scene {
-    /// The scene as TOML with every key resolved, as it stands: [`Scene::parse`] of it is an equal scene.
+    /// The scene as TOML: [`Scene::parse`] of it is an equal scene. Keys that are left to the check are left out.
     #[must_use]
     pub fn to_toml(&self) -> String {
         let mut writer = Writer::default();
@@ -18,8 +18,8 @@ impl Scene {
         writer.values + &writer.tables
     }
 
-    /// The scene as text, as it stands: the text that it was read from, or every key resolved where the scene was
-    /// changed since.
+    /// The scene as text, as it stands: the text that it was read from, or [`Self::to_toml`] where the scene was changed
+    /// since, or made in code.
     #[must_use]
     pub fn text_now(&self) -> String {
         if Self::parse(self.text()).as_ref() == Ok(self) { self.text().to_owned() } else { self.to_toml() }
@@ -42,6 +42,13 @@ impl Writer {
     pub(crate) fn pair(&mut self, name: &str, value: Value) {
         // Writing to a string cannot fail.
         let _ = writeln!(self.values, "{name} = {value}");
+    }
+
+    /// Writes a key of the table that names another, if there is such a key.
+    pub(crate) fn word(&mut self, name: &str, word: &str) {
+        if !name.is_empty() {
+            self.pair(name, word.into());
+        }
     }
 
     /// Writes a table in this one; with `many`, one more element of an array of tables.

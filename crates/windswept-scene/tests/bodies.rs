@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 use common::{BRUSH, assert_close, scene_of};
 use glam::{DQuat, DVec3};
-use windswept_scene::{Body, Groom, InitialState, Keyframe, Motion, Round, Shape, Solid, Triangles};
+use windswept_scene::{CheckedBody, CheckedShape, Groom, InitialState, Keyframe, Motion, Round, Solid, Triangles};
 
 fn keyframe(time: f64, translation: [f64; 3], rotation: [f64; 3]) -> Keyframe {
     Keyframe { time, translation, rotation }
@@ -48,9 +48,9 @@ fn a_motion_turns_about_the_centre() {
     let center = DVec3::new(3.0, 2.0, 1.0);
     let placed = motion.place(center, center + DVec3::X, 0.0);
     assert!(placed.distance(center + DVec3::X + DVec3::Y) < 1e-15, "{placed}");
-    let body = Body {
+    let body = CheckedBody {
         name: "bone".into(),
-        shape: Shape::Capsule { start: [2.0, 2.0, 1.0], end: [4.0, 2.0, 1.0], radius: 0.5 },
+        shape: CheckedShape::capsule([2.0, 2.0, 1.0], [4.0, 2.0, 1.0], 0.5),
         friction: 0.0,
         motion,
     };
@@ -62,8 +62,8 @@ fn a_motion_turns_about_the_centre() {
 /// The gradient is the way to the surface: one goes by the distance along it and is there.
 #[test]
 fn distances_are_to_the_surface() {
-    let bone = Shape::Capsule { start: [0.0; 3], end: [2.0, 0.0, 0.0], radius: 0.5 };
-    let ball = Shape::Sphere { center: [1.0; 3], radius: 2.0 };
+    let bone = CheckedShape::capsule([0.0; 3], [2.0, 0.0, 0.0], 0.5);
+    let ball = CheckedShape::sphere([1.0; 3], 2.0);
     for (shape, x, distance, gradient) in [
         (&bone, DVec3::new(1.0, 2.0, 0.0), 1.5, DVec3::Y),
         (&bone, DVec3::new(1.0, 0.0, 0.1), -0.4, DVec3::Z),
@@ -83,10 +83,9 @@ fn distances_are_to_the_surface() {
 /// The skin's points are on the surface, its normals are the gradient's, and its box is the bounds.
 #[test]
 fn a_skin_lies_on_the_surface() {
-    for shape in [
-        Shape::Sphere { center: [1.0, 2.0, 3.0], radius: 0.5 },
-        Shape::Capsule { start: [0.0, 0.1, 0.0], end: [2.0, -1.0, 0.4], radius: 0.3 },
-    ] {
+    for shape in
+        [CheckedShape::sphere([1.0, 2.0, 3.0], 0.5), CheckedShape::capsule([0.0, 0.1, 0.0], [2.0, -1.0, 0.4], 0.3)]
+    {
         let skin = shape.skin(48, 96);
         assert_eq!(skin.len(), 48 * 97);
         for (x, normal) in &skin {
@@ -110,15 +109,15 @@ fn a_surface_encloses_its_volume() {
     };
     let (ball, side) = (4.0 / 3.0 * PI * 0.3_f64.powi(3), PI * 0.09 * DVec3::new(2.0, -1.1, 0.4).length());
     for (shape, volume) in [
-        (Shape::Sphere { center: [1.0, 2.0, 3.0], radius: 0.3 }, ball),
-        (Shape::Capsule { start: [0.0, 0.1, 0.0], end: [2.0, -1.0, 0.4], radius: 0.3 }, ball + side),
+        (CheckedShape::sphere([1.0, 2.0, 3.0], 0.3), ball),
+        (CheckedShape::capsule([0.0, 0.1, 0.0], [2.0, -1.0, 0.4], 0.3), ball + side),
     ] {
         let surface = shape.surface(48, 96);
         // Measured 1.9e-3: chords lie inside. Margin 2.6.
         let off = enclosed(&surface) / volume - 1.0;
         println!("volume off by {off:.1e}");
         assert!((-5e-3..0.0).contains(&off), "{off:.2e}");
-        let mesh = Shape::Mesh(Solid::enclosed(surface.clone(), Some(0.05)).unwrap());
+        let mesh = CheckedShape::Mesh(Solid::enclosed(surface.clone(), Some(0.05)).unwrap());
         assert!((enclosed(&mesh.surface(3, 3)) / enclosed(&surface) - 1.0).abs() < 1e-12);
     }
 }

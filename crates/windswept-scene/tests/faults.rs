@@ -3,8 +3,8 @@
 
 mod common;
 
-use common::QUICK;
-use windswept_scene::{InitialState, Scene, SceneError};
+use common::{QUICK, load, parse, parse_with};
+use windswept_scene::{CheckedScene, InitialState, Scene, SceneError};
 
 const SMALL: &str = "\
 [time]
@@ -88,7 +88,7 @@ const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
     ("duration = 1.0", "step = 2.0", 3, "", &["not TOML", "duplicate"]),
     ("radius = 0.01", "radius = 0.01\ndirection = [0, 0, 0]", 11, "hair.roots.direction", &["not all 0"]),
     ("radius = 0.01", "radius = 0.01\nnormal = [0, 0, 0]", 11, "hair.roots.normal", &["not all 0"]),
-    ("radius = 0.01", "radius = 0.01\nshape = \"sphere_cap\"\nnormal = [0, 0, 1]", 12, "hair.roots.normal", &["no normal with shape \"sphere_cap\""]),
+    ("radius = 0.01", "radius = 0.01\nshape = \"sphere_cap\"\nnormal = [0, 0, 1]", 12, "hair.roots.normal", &["goes with shape \"disc\": expected no such key with shape \"sphere_cap\""]),
     ("radius = 0.01", "radius = 0.01\nshape = \"square\"", 11, "hair.roots.shape", &["\"disc\", \"sphere_cap\", \"line\"", "square"]),
     ("length = 0.1", "length = 0.1\ntaper = 1.0", 8, "hair.taper", &["from 0 to below 1"]),
     ("length = 0.1", "length = 0.1\nlength_variation = -0.1", 8, "hair.length_variation", &["from 0 to below 1"]),
@@ -96,8 +96,8 @@ const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
     ("length = 0.1", "length = 0.1\naspect = 0.5\nstretch_stiffness = 20.0\nbend_stiffness = 1e-9\ntwist_stiffness = 1e-9", 8, "hair.aspect", &["stiffnesses are given"]),
     ("length = 0.1", "length = 0.1\nroot = \"glued\"", 8, "hair.root", &["\"clamped\", \"pinned\", \"free\""]),
     ("[hair]", "[rods]\nsolver = \"gauss-seidel\"\n[hair]\ntip = \"clamped\"", 7, "hair.tip", &["the direct solver"]),
-    ("length = 0.1", "length = 0.1\nstretch_stiffness = 20.0", 4, "hair.bend_stiffness", &["go together"]),
-    ("length = 0.1", "length = 0.1\nyoungs_modulus = 4e9\nstretch_stiffness = 20.0", 8, "hair.youngs_modulus", &["the modulus or the three stiffnesses"]),
+    ("length = 0.1", "length = 0.1\nstretch_stiffness = 20.0", 4, "hair.bend_stiffness", &["is missing", "hair.twist_stiffness: is missing"]),
+    ("length = 0.1", "length = 0.1\nyoungs_modulus = 4e9\nstretch_stiffness = 20.0", 8, "hair.youngs_modulus", &["goes with youngs_modulus: expected no such key with the three stiffnesses"]),
     ("length = 0.1", "length = 0.1\ncurl = { radius = 0.0, pitch = 0.1 }", 8, "hair.curl.radius", &["greater than 0"]),
     ("length = 0.1", "length = 0.1\ncurl = { radius = 0.1, pitch = -0.1 }", 8, "hair.curl.pitch", &["greater than 0"]),
     ("length = 0.1", "length = 0.1\ncurl = { radius = 0.1 }", 8, "hair.curl.pitch", &["is missing"]),
@@ -105,7 +105,7 @@ const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
     ("[air]", "[viscosity]\nsmagorinsky = 0.1\n[fluid]\nsolver = \"pbf\"\n[air]", 12, "viscosity.smagorinsky", &["expected 0: fluid.solver is \"pbf\""]),
     ("[air]", "[viscosity]\nkinematic_hair = 1e-5\nhair = 0.1\n[air]", 12, "viscosity.kinematic_hair", &["expected one of them"]),
     ("[air]", "[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 0]\nfov = 190\n[air]", 14, "camera.fov", &["below 180"]),
-    ("[air]", "[camera]\neye = [0, 0, 1]\n[air]", 11, "camera.target", &["is missing", "camera.eye and camera.target, or neither"]),
+    ("[air]", "[camera]\neye = [0, 0, 1]\n[air]", 11, "camera.target", &["is missing"]),
     ("[air]", "[camera]\nwidth = 90\ntarget = [0, 0, 1]\n[air]", 11, "camera.eye", &["is missing"]),
     ("[air]", "[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 1]\n[air]", 13, "camera.target", &["same point as camera.eye"]),
     ("[air]", "[picture]\nair = \"vorticity\"\n[interaction]\nmodel = \"drag\"\n[air]", 12, "picture.air", &["\"vorticity\" needs air particles"]),
@@ -152,13 +152,13 @@ const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
     ("[air]", "[air.inflow]\nscale = 0\nintensity = 0.1\n[air]", 12, "air.inflow.scale", &["greater than 0"]),
     ("[air]", "[[air.gust]]\ntime = 1\nvelocity = [0, 0, 0]\n[[air.gust]]\ntime = 1\nvelocity = [0, 0, 0]\n[air]", 15, "air.gust.1.time", &["after that of the keyframe before, 1 s"]),
     // Bodies and their motion.
-    ("[air]", "[[body]]\n[air]", 11, "body.radius", &["is missing: expected a length"]),
-    ("[air]", "[[body]]\nradius = 0.02\n[air]", 11, "body.center", &["is missing: shape \"sphere\" has center"]),
+    ("[air]", "[[body]]\n[air]", 11, "body.center", &["is missing: expected three numbers", "body.radius: is missing"]),
+    ("[air]", "[[body]]\nradius = 0.02\n[air]", 11, "body.center", &["is missing: expected three numbers"]),
     ("[air]", "[[body]]\nshape = \"cube\"\n[air]", 12, "body.shape", &["one of \"sphere\", \"capsule\", \"mesh\", found \"cube\""]),
     ("[air]", "[[body]]\nradius = 0\n[air]", 12, "body.radius", &["greater than 0"]),
-    ("[air]", "[[body]]\nradius = 0.02\nshape = \"capsule\"\ncenter = [0, 0, 0]\n[air]", 14, "body.center", &["no center with shape \"capsule\", which has start and end"]),
-    ("[air]", "[[body]]\nradius = 0.02\ncenter = [0, 0, 0]\nend = [0, 0, 1]\n[air]", 14, "body.end", &["no end with shape \"sphere\""]),
-    ("[air]", "[[body]]\nradius = 0.02\nshape = \"capsule\"\nend = [0, 0, 1]\n[air]", 11, "body.start", &["is missing: shape \"capsule\" has start and end"]),
+    ("[air]", "[[body]]\nradius = 0.02\nshape = \"capsule\"\ncenter = [0, 0, 0]\n[air]", 14, "body.center", &["goes with shape \"sphere\": expected no such key with shape \"capsule\""]),
+    ("[air]", "[[body]]\nradius = 0.02\ncenter = [0, 0, 0]\nend = [0, 0, 1]\n[air]", 14, "body.end", &["goes with shape \"capsule\": expected no such key with shape \"sphere\""]),
+    ("[air]", "[[body]]\nradius = 0.02\nshape = \"capsule\"\nend = [0, 0, 1]\n[air]", 11, "body.start", &["is missing: expected three numbers"]),
     ("[air]", "[[body]]\nradius = 0.02\nshape = \"capsule\"\nstart = [0, 0, 1]\nend = [0, 0, 1]\n[air]", 15, "body.end", &["same point as start", "shape \"sphere\""]),
     ("[air]", "[[body]]\nradius = 0.02\ncenter = [0, 0, 0]\nfriction = -1\n[air]", 14, "body.friction", &["at least 0"]),
     ("[air]", "[[body]]\nradius = 0.06\ncenter = [0.05, 0.05, 0.05]\n[air]", 11, "body", &["block 96 % of air.box across x"]),
@@ -170,11 +170,11 @@ const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
 
 #[test]
 fn each_fault_names_its_line_and_key() {
-    Scene::parse(SMALL).unwrap();
+    parse(SMALL).unwrap();
     for (old, new, line, key, words) in FAULTS {
         let text = SMALL.replacen(old, new, 1);
         assert_ne!(text, SMALL, "{old} is not in the scene");
-        let error = Scene::parse_named("bad.toml", &text).expect_err(new);
+        let error = parse_with("bad.toml", &text, &[]).expect_err(new);
         let shown = error.to_string();
         assert_eq!(error.line(), Some(*line), "{new}: {shown}");
         assert_eq!(error.key().unwrap_or_default(), *key, "{new}: {shown}");
@@ -191,17 +191,17 @@ fn each_fault_names_its_line_and_key() {
 #[test]
 fn models_say_what_they_need() {
     let (airless, _) = SMALL.split_once("[air]").unwrap();
-    let error = Scene::parse_named("bad.toml", airless).unwrap_err();
+    let error = parse_with("bad.toml", airless, &[]).unwrap_err();
     assert_eq!((error.key(), error.line()), (Some("air"), None));
     assert!(error.to_string().contains("\"two-way\" needs air.box and air.wind"), "{error}");
-    Scene::parse_with("s", airless, &["interaction.model=none".to_owned()]).unwrap();
+    parse_with("s", airless, &["interaction.model=none".to_owned()]).unwrap();
 }
 
 /// `group` replaces [hair], and a second one stands before [air].
-fn two_groups(first: &str, second: &str) -> Result<Scene, SceneError> {
+fn two_groups(first: &str, second: &str) -> Result<CheckedScene, SceneError> {
     let roots = "roots = { center = [0, 0, 0], radius = 0.1 }";
     let first = SMALL.replace("[hair]", &format!("[[hair]]\n{first}"));
-    Scene::parse(&first.replace("[air]", &format!("[[hair]]\n{second}\npoints = 2\nlength = 0.1\n{roots}\n[air]")))
+    parse(&first.replace("[air]", &format!("[[hair]]\n{second}\npoints = 2\nlength = 0.1\n{roots}\n[air]")))
 }
 
 #[test]
@@ -220,17 +220,17 @@ fn groups_have_names_and_faults_of_their_own() {
         assert!(error.to_string().contains(word), "{error}");
     }
     // A name that is the index of the other group leads to its own.
-    let text = two_groups("name = \"1\"", "name = \"fringe\"\nstrands = 1").unwrap().text().to_owned();
-    let error = Scene::parse(&text.replacen("length = 0.1\n", "", 1)).unwrap_err();
+    let text = two_groups("name = \"1\"", "name = \"fringe\"\nstrands = 1").unwrap().scene().text().to_owned();
+    let error = parse(&text.replacen("length = 0.1\n", "", 1)).unwrap_err();
     assert_eq!((error.key(), error.line()), (Some("hair.1.length"), Some(4)), "{error}");
     // A lone [[hair]] needs no index.
-    let error = Scene::parse(&SMALL.replace("[hair]", "[[hair]]").replace("points = 4", "points = 1")).unwrap_err();
+    let error = parse(&SMALL.replace("[hair]", "[[hair]]").replace("points = 4", "points = 1")).unwrap_err();
     assert_eq!(error.key(), Some("hair.points"));
 }
 
-fn set(text: &str, assignments: &[&str]) -> Result<Scene, SceneError> {
+fn set(text: &str, assignments: &[&str]) -> Result<CheckedScene, SceneError> {
     let assignments: Vec<String> = assignments.iter().map(|&set| set.to_owned()).collect();
-    Scene::parse_with("quick.toml", text, &assignments)
+    parse_with("quick.toml", text, &assignments)
 }
 
 #[test]
@@ -238,11 +238,11 @@ fn an_assignment_changes_its_key() {
     assert_eq!(set(QUICK, &["hair.length=0.2"]).unwrap().hair[0].drawn().unwrap().length, 0.2);
     assert_eq!(set(QUICK, &["hair.0.length = 0.2"]).unwrap().hair[0].drawn().unwrap().length, 0.2);
     assert_eq!(set(QUICK, &["hair.length=0.2", "hair.length=0.3"]).unwrap().hair[0].drawn().unwrap().length, 0.3);
-    assert_eq!(set(QUICK, &["air.box.max=[0.2,0.12,0.07]"]).unwrap().air.unwrap().bounds.unwrap().max[0], 0.2);
+    assert_eq!(set(QUICK, &["air.box.max=[0.2,0.12,0.07]"]).unwrap().air.as_ref().unwrap().bounds.unwrap().max[0], 0.2);
     assert_eq!(set(QUICK, &["method=published"]).unwrap().method, windswept_scene::Method::Published);
     assert_eq!(set(QUICK, &["title=\"a = b\""]).unwrap().title, "a = b");
     assert_eq!(set(QUICK, &["camera.eye=[0,0,1]", "camera.target=[0,0,0]"]).unwrap().camera.width, 960);
-    let text = set(QUICK, &["hair.length=0.2"]).unwrap().text().to_owned();
+    let text = set(QUICK, &["hair.length=0.2"]).unwrap().scene().text().to_owned();
     assert_eq!(text.lines().count(), QUICK.lines().count());
     assert!(text.contains("length = 0.2                       # m, along the curl"), "comments are kept: {text}");
 }
@@ -255,13 +255,13 @@ fn a_group_is_addressed_by_its_name() {
     // A group without a name is called what the table of keys says.
     for text in [SMALL, &SMALL.replace("[hair]", "[[hair]]")] {
         assert_eq!(set(text, &["hair.hair.radius=1e-5"]).unwrap().hair[0].fibre.radius, 1e-5);
-        assert!(set(text, &["hair.hair.roots.radius=0.002"]).unwrap().to_toml().contains("radius = 0.002\n"));
+        assert!(set(text, &["hair.hair.roots.radius=0.002"]).unwrap().scene().to_toml().contains("radius = 0.002\n"));
     }
     let shown = set(&one, &["hair.hair.radius=1e-5"]).unwrap_err().to_string();
     assert!(shown.contains("hair.fringe.hair: unknown key"), "{shown}");
     let shown = set(SMALL, &["air.hair.wind=[1,0,0]"]).unwrap_err().to_string();
     assert!(shown.contains("air.hair: unknown key"), "{shown}");
-    let two = two_groups("name = \"a\"", "name = \"b\"\nstrands = 1").unwrap().text().to_owned();
+    let two = two_groups("name = \"a\"", "name = \"b\"\nstrands = 1").unwrap().scene().text().to_owned();
     let scene = set(&two, &["hair.b.radius=5e-5", "hair.0.radius=6e-5"]).unwrap();
     assert_eq!(scene.hair.iter().map(|hair| hair.fibre.radius).collect::<Vec<_>>(), [6e-5, 5e-5]);
     assert!(set(&two, &["hair.radius=5e-5"]).unwrap_err().to_string().contains("leads nowhere"));
@@ -319,11 +319,12 @@ fn files_that_cannot_be_read_are_named() {
     std::fs::write(&binary, [0xff, 0xfe, 0x00]).unwrap();
     std::fs::write(&windows, format!("\u{feff}{}", SMALL.replace('\n', "\r\n"))).unwrap();
     for path in [&binary, &folder, &folder.join("absent.toml")] {
-        let shown = Scene::load(path).unwrap_err().to_string();
+        let shown = load(path).unwrap_err().to_string();
         assert!(shown.starts_with(&format!("{}: cannot be read: ", path.display())), "{shown}");
     }
-    assert_eq!(Scene::load(&windows).unwrap(), Scene::parse(SMALL).unwrap());
-    let shown = Scene::load_with(&windows, &["points=3".to_owned()]).unwrap_err().to_string();
+    assert_eq!(load(&windows).unwrap(), parse(SMALL).unwrap());
+    let shown =
+        Scene::load_with(&windows, &["points=3".to_owned()]).and_then(|scene| scene.check()).unwrap_err().to_string();
     assert!(shown.starts_with("--set points=3: points: unknown key"), "{shown}");
     std::fs::remove_dir_all(&folder).unwrap();
 }
@@ -332,9 +333,9 @@ fn files_that_cannot_be_read_are_named() {
 fn a_scene_without_hair_parses_and_one_with_nothing_cannot_start() {
     let (head, rest) = SMALL.split_once("[hair]").unwrap();
     let (_, air) = rest.split_once("[air]").unwrap();
-    let bald = Scene::parse(&format!("{head}[air]{air}")).unwrap();
+    let bald = parse(&format!("{head}[air]{air}")).unwrap();
     assert!(InitialState::new(&bald).unwrap().hair.is_empty());
-    let nothing = Scene::parse(&format!("interaction.model = \"none\"\n{head}")).unwrap();
+    let nothing = parse(&format!("interaction.model = \"none\"\n{head}")).unwrap();
     let error = InitialState::new(&nothing).unwrap_err();
     assert_eq!(error.key(), Some("hair"), "{error}");
 }
@@ -366,7 +367,7 @@ fn tables_are_counted_before_they_are_looked_at() {
         let headed = format!("[[{table}]]\nbanana = 1\n").repeat(5000);
         let inline = format!("{table} = [{}]\n", "{ banana = 1 }, ".repeat(5000));
         for text in [headed, inline] {
-            let shown = Scene::parse(&text).unwrap_err().to_string();
+            let shown = parse(&text).unwrap_err().to_string();
             assert!(shown.starts_with("scene:1: ") && shown.contains(words), "{shown}");
         }
     }
@@ -392,7 +393,7 @@ fn keyframes_are_counted() {
             "air.gust: expected at most 16384 gusts, found 17000",
         ),
     ] {
-        let shown = Scene::parse(&(SMALL.to_owned() + &text)).unwrap_err().to_string();
+        let shown = parse(&(SMALL.to_owned() + &text)).unwrap_err().to_string();
         assert!(shown.contains(words), "{shown}");
     }
 }
@@ -400,7 +401,7 @@ fn keyframes_are_counted() {
 /// Control characters of a file are spelled where an error quotes them; other characters stay.
 #[test]
 fn control_characters_are_spelled() {
-    let shown = |text: &str| Scene::parse_named("sc\u{1b}[2Jene", text).unwrap_err();
+    let shown = |text: &str| parse_with("sc\u{1b}[2Jene", text, &[]).unwrap_err();
     for (text, words) in [
         ("\"\\u001b[31mevil\" = 1", "\\u{1b}[31mevil: unknown key"),
         ("\"a\\nerror: b\" = 1", "a\\nerror: b: unknown key"),
@@ -412,9 +413,9 @@ fn control_characters_are_spelled() {
         let error = shown(text);
         let said = [error.to_string(), error.message().to_owned(), error.key().unwrap_or_default().to_owned()];
         assert!(said[0].starts_with("sc\\u{1b}[2Jene:") && said[0].contains(words), "{said:?}");
-        assert!(!said.concat().contains(char::is_control), "{said:?}");
+        assert!(!said.concat().replace('\n', "").contains(char::is_control), "{said:?}");
     }
-    let shown = Scene::load("none\u{1b}[31m.toml").unwrap_err().to_string();
+    let shown = load("none\u{1b}[31m.toml").unwrap_err().to_string();
     assert!(shown.starts_with("none\\u{1b}[31m.toml: cannot be read"), "{shown}");
 }
 
@@ -427,12 +428,12 @@ fn what_is_no_file_is_refused() {
     let pipe = folder.path().join("pipe.toml");
     assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
     for path in [pipe.as_path(), std::path::Path::new("/dev/zero")] {
-        let shown = Scene::load(path).unwrap_err().to_string();
+        let shown = load(path).unwrap_err().to_string();
         assert_eq!(shown, format!("{}: expected a file", path.display()));
     }
     use std::{io::Write, os::fd::AsRawFd};
     let (reader, mut writer) = std::io::pipe().unwrap();
     writer.write_all(SMALL.as_bytes()).unwrap();
     drop(writer);
-    assert_eq!(Scene::load(format!("/dev/fd/{}", reader.as_raw_fd())), Scene::parse(SMALL));
+    assert_eq!(load(format!("/dev/fd/{}", reader.as_raw_fd())), parse(SMALL));
 }

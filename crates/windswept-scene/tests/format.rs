@@ -8,8 +8,8 @@ use std::collections::BTreeMap;
 use common::QUICK;
 use toml_edit::{Document, Item, TableLike, Value};
 use windswept_scene::{
-    Band, Camera, Fibre, Filter, FluidSolver, Integrator, Law, LookAt, Method, Model, Roots, Scene, Solver, Stiffness,
-    ViscosityForm,
+    Band, Camera, CheckedScene, DirectFilter, Fibre, Filter, FluidSolver, GridFilter, Inflow, Integrator, Law, LookAt,
+    Method, Model, Moduli, Roots, Scene, SceneValues, Solver, Stiffness, ViscosityForm,
     keys::{Fallback, KEYS, Key},
 };
 
@@ -24,9 +24,13 @@ length = 0.1
 roots = { center = [0.0, 0.0, 0.0], radius = 0.1 }
 ";
 
-fn scene(text: &str, sets: &[&str]) -> Scene {
+fn written(text: &str, sets: &[&str]) -> Scene {
     let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
     Scene::parse_with("scene", text, &sets).unwrap()
+}
+
+fn scene(text: &str, sets: &[&str]) -> CheckedScene {
+    written(text, sets).check().unwrap()
 }
 
 /// Every path of a text, without indices, with its value if it has one.
@@ -115,7 +119,7 @@ fn explain_lists_every_key_with_type_unit_default_and_help() {
 /// Every default of the table is a value that the key takes.
 #[test]
 fn defaults_can_be_spelled() {
-    let elsewhere = ["hair.", "body.", "force.", "turbulence.bands."];
+    let elsewhere = ["hair.", "body.", "force.", "turbulence.bands.", "turbulence.cutoff"];
     for key in KEYS.iter().filter(|key| !elsewhere.iter().any(|table| key.path.starts_with(table))) {
         for default in [true, false].into_iter().filter_map(|accurate| key.default_of(accurate)) {
             scene(QUICK, &[&format!("{}={default}", key.path)]);
@@ -132,12 +136,12 @@ fn what_a_file_leaves_out_has_its_default() {
         (Method::Accurate, Model::TwoWay, 1, [0.0, -9.81, 0.0])
     );
     assert_eq!((scene.time.substeps, scene.time.frame_rate), (1, 60.0));
-    let stiffness = Stiffness::Moduli { youngs_modulus: 4e9, poissons_ratio: 0.38 };
+    let stiffness = Stiffness::Moduli(Moduli { youngs_modulus: 4e9, poissons_ratio: 0.38 });
     let (radius, density, point_mass) = (4e-5, 1320.0, None);
     let fibre = Fibre { radius, taper: 0.0, aspect: 1.0, density, fibres_per_strand: 1.0, stiffness, point_mass };
     assert_eq!((hair.fibre, Fibre::default()), (fibre, fibre));
     let drawn = hair.drawn().unwrap();
-    let Roots::Patch(patch) = &drawn.roots else { panic!("{drawn:?}") };
+    let Roots::Disc(patch) = &drawn.roots else { panic!("{drawn:?}") };
     assert_eq!((drawn.curl, patch.direction), (None, [0.0, -1.0, 0.0]));
     assert_eq!((air.rest_density, air.particle_mass, air.kernel_radius), (1.29, 1.46e-7, 9.3e-3));
     assert_eq!((air.fringe, air.ramp, air.kinematic_viscosity), (4.0 * 9.3e-3, 0.05, 1.5e-5));
@@ -145,7 +149,7 @@ fn what_a_file_leaves_out_has_its_default() {
     assert_eq!((scene.turbulence.bands.len(), scene.turbulence.speed), (0, 5.0));
     let blown = |field: &str, axis: &str| {
         let force = format!("force={{field='{field}',{axis}origin=[0,0,0],reach=1,strength=-3}}");
-        let scene = Scene::parse_with("scene", LEAST, &[force]).unwrap();
+        let scene = self::scene(LEAST, &[&force]);
         // Hair feels them all.
         assert_eq!(scene.largest_wind(), 8.0);
         scene.turbulence.speed
@@ -161,29 +165,31 @@ fn what_a_file_leaves_out_has_its_default() {
 
 #[test]
 fn method_sets_eight_defaults_and_a_spelled_key_wins() {
-    let eight = |scene: Scene| {
-        let (turbulence, rods) = (scene.turbulence, scene.rods);
-        let law = (turbulence.law, turbulence.filter, turbulence.cutoff);
+    let eight = |scene: &SceneValues| {
+        let (turbulence, rods) = (&scene.turbulence, &scene.rods);
+        let law = (turbulence.law, turbulence.filter);
         (scene.interaction.model, scene.fluid.solver, rods.solver, rods.integrator, law, scene.viscosity.form)
     };
-    let law = (Law::Band, Filter::Grid, 4.5);
+    let law = (Law::Band, Filter::Grid(GridFilter { spacing: 0.65 }));
     let accurate =
         (Model::TwoWay, FluidSolver::Divergence, Solver::Direct, Integrator::Bdf2, law, ViscosityForm::Limited);
-    assert_eq!(eight(scene(LEAST, &[])), accurate);
-    let law = (Law::Published, Filter::Direct, 3.0);
+    assert_eq!(eight(&scene(LEAST, &[])), accurate);
+    let law = (Law::Published, Filter::Direct(DirectFilter { cutoff: 3.0 }));
     let published =
         (Model::Particles, FluidSolver::Pbf, Solver::GaussSeidel, Integrator::Euler, law, ViscosityForm::Published);
-    assert_eq!(eight(scene(LEAST, &["method=published"])), published);
+    assert_eq!(eight(&scene(LEAST, &["method=published"])), published);
+    assert_eq!(
+        scene(LEAST, &["turbulence.filter=direct"]).turbulence.filter,
+        Filter::Direct(DirectFilter { cutoff: 4.5 })
+    );
     let spelled = scene(LEAST, &["method=published", "viscosity.form=limited"]);
     assert_eq!(spelled.viscosity.form, ViscosityForm::Limited);
-    // And nothing else, but for the jitter of the air that goes with its solver.
-    let (mut accurate, published) = (scene(LEAST, &[]), scene(LEAST, &["method=published"]));
-    accurate.method = Method::Published;
-    (accurate.rods, accurate.turbulence) = (published.rods.clone(), published.turbulence.clone());
-    accurate.viscosity.form = ViscosityForm::Published;
-    (accurate.interaction.model, accurate.fluid.solver) = (Model::Particles, FluidSolver::Pbf);
-    accurate.air.as_mut().unwrap().jitter = 0.0;
-    assert_eq!(accurate, published);
+    // And nothing else.
+    let keys = "interaction.model=particles fluid.solver=pbf rods.solver=gauss-seidel rods.integrator=euler \
+                turbulence.law=published turbulence.filter=direct turbulence.cutoff=3 viscosity.form=published";
+    let same = scene(LEAST, &keys.split_whitespace().collect::<Vec<_>>());
+    let same = SceneValues { method: Method::Published, ..(*same).clone() };
+    assert_eq!(same, *scene(LEAST, &["method=published"]));
 }
 
 /// `turbulence.scale` and `turbulence.intensity` are a band of the default strength, and the same eddies enter with the
@@ -191,21 +197,19 @@ fn method_sets_eight_defaults_and_a_spelled_key_wins() {
 #[test]
 fn scale_and_intensity_are_a_band_and_an_inflow() {
     let dials = |sets: &[&str]| scene(LEAST, &[&["turbulence={ scale = 0.012, intensity = 0.8 }"], sets].concat());
-    let entering = |scene: &Scene| scene.air.as_ref().unwrap().inflow.map(|inflow| (inflow.scale, inflow.intensity));
+    let entering = |scene: &CheckedScene| scene.air.as_ref().unwrap().inflow;
+    let inflow = |scale, intensity| Some(Inflow { scale, intensity });
     let both = dials(&[]);
     assert_eq!(both.turbulence.bands, [Band { scale: 0.012, strength: Band::STRENGTH, intensity: 0.8 }]);
-    assert_eq!(entering(&both), Some((0.012, 0.8)));
+    assert_eq!(entering(&both), inflow(0.012, 0.8));
     assert_eq!(entering(&dials(&["turbulence.inflow=false"])), None);
     assert_eq!(dials(&["turbulence.inflow=false"]).turbulence, both.turbulence);
     assert_eq!(entering(&dials(&["method=published"])), None);
-    assert_eq!(entering(&dials(&["air.inflow={ scale = 0.02, intensity = 0.1 }"])), Some((0.02, 0.1)));
-    assert_eq!(dials(&["seed=7"]).air.unwrap().inflow.unwrap().seed, 7);
+    assert_eq!(entering(&dials(&["air.inflow={ scale = 0.02, intensity = 0.1 }"])), inflow(0.02, 0.1));
+    assert_eq!(dials(&["seed=7"]).air.as_ref().unwrap().seed, 7);
+    assert_eq!(dials(&["seed=7", "air.seed=8"]).air.as_ref().unwrap().seed, 8);
     let bands = scene(LEAST, &["turbulence={bands=[{ scale = 0.012, intensity = 0.8 }]}"]);
     assert_eq!((entering(&bands), &bands.turbulence), (None, &both.turbulence));
-    // Written out, each says the same.
-    for scene in [both, dials(&["turbulence.inflow=false"])] {
-        assert_eq!(Scene::parse(&scene.to_toml()).unwrap(), scene);
-    }
 }
 
 /// c = 22 ν Δt/h², Δt as written: 0.014 and 1.4 are 3.99e-5 and 3.99e-3 m²/s in the paper's scene.
@@ -213,7 +217,8 @@ fn scale_and_intensity_are_a_band_and_an_inflow() {
 fn kinematic_viscosity_becomes_a_coefficient() {
     let text =
         QUICK.replace("hair = 1.4 ", "kinematic_hair = 3.99e-3").replace("air = 0.014", "kinematic_air = 3.99e-5");
-    let viscosity = scene(&text, &["time.substeps=3"]).viscosity;
+    let scene = scene(&text, &["time.substeps=3"]);
+    let viscosity = &scene.viscosity;
     // Measured 4e-4: ν has three digits. Margin 2.5.
     assert!((viscosity.hair / 1.4 - 1.0).abs() < 1e-3 && (viscosity.air / 0.014 - 1.0).abs() < 1e-3, "{viscosity:?}");
 }
@@ -250,30 +255,31 @@ fn a_scene_written_out_is_the_same_scene() {
         (&bodies, &["body.neck.friction=0.5"]),
         (&forces, &["force.fan.reach=0.3"]),
     ] {
-        let scene = scene(text, sets);
-        let written = scene.to_toml();
-        let again = Scene::parse(&written).unwrap_or_else(|error| panic!("{error}\n{written}"));
-        assert_eq!(again, scene, "{written}");
-        assert_eq!(again.to_toml(), written);
-        let written = paths(&written);
-        for key in paths(text)
-            .into_keys()
-            .filter(|key| !key.starts_with("air.box") || scene.interaction.model == Model::Particles)
-            // Written as a band and an inflow.
-            .filter(|key| !["turbulence.scale", "turbulence.intensity"].contains(&key.as_str()))
-        {
+        let scene = written(text, sets);
+        let text_of = scene.to_toml();
+        let again = Scene::parse(&text_of).unwrap_or_else(|error| panic!("{error}\n{text_of}"));
+        assert_eq!(again, scene, "{text_of}");
+        assert_eq!(again.to_toml(), text_of);
+        assert_eq!(*again.check().unwrap(), *scene.check().unwrap());
+        let written = paths(&text_of);
+        for key in paths(text).into_keys() {
             assert!(written.contains_key(&key), "{key} is missing in {written:?}");
         }
     }
     // Directions keep their bits, though normalising twice may change the last.
+    let direction = |scene: &CheckedScene| {
+        let Roots::Disc(patch) = &scene.hair[0].drawn().unwrap().roots else { panic!("{scene:?}") };
+        patch.direction
+    };
     for i in 1..200 {
-        let scene = scene(LEAST, &[&format!("hair.roots.direction=[0.3, -1.0, 0.01{i}]")]);
-        assert_eq!(Scene::parse(&scene.to_toml()).unwrap(), scene);
+        let once = scene(LEAST, &[&format!("hair.roots.direction=[0.3, -1.0, 0.01{i}]")]);
+        let twice = scene(LEAST, &[&format!("hair.roots.direction={:?}", direction(&once))]);
+        assert_eq!(direction(&twice), direction(&once));
     }
     // Scenes that differ are not equal.
-    let mut other = scene(QUICK, &[]);
+    let mut other = written(QUICK, &[]);
     let look_at = Some(LookAt { eye: [1.0; 3], target: [0.0; 3] });
     other.camera = Camera { look_at, width: 100, ..other.camera };
-    assert_ne!(other, scene(QUICK, &[]));
+    assert_ne!(other, written(QUICK, &[]));
     assert_eq!(Scene::parse(&other.to_toml()).unwrap(), other);
 }

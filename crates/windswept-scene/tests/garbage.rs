@@ -41,7 +41,7 @@ proptest! {
 
     #[test]
     fn any_text(text in "\\PC{0,200}|[\\[\\]{}=.,\"'#\n a-z0-9-]{0,200}") {
-        if let Err(error) = Scene::parse(&text) {
+        if let Err(error) = common::parse(&text) {
             prop_assert!(error.span().is_none_or(|span| span.end <= text.len() + 1), "{error}");
             prop_assert!(!error.to_string().is_empty());
         }
@@ -62,7 +62,7 @@ proptest! {
 
     #[test]
     fn any_assignment(set in "(time|hair|air|rods|fluid)?[a-z._0-9\"]{0,20}=.{0,12}") {
-        let _ = Scene::parse_with("quick.toml", QUICK, &[set]).map_err(|error| error.to_string());
+        let _ = common::parse_with("quick.toml", QUICK, &[set]).map_err(|error| error.to_string());
     }
 
     /// Any number for any key that takes one: refused, or a state that f32 can hold.
@@ -79,7 +79,7 @@ proptest! {
         let curl = "hair.curl={radius=0.01,pitch=0.03}".to_owned();
         // No air: up to 100 million particles are allowed, and take a while.
         let sets = [curl, "interaction.model=none".to_owned(), format!("{key}={sign}1e{exponent}")];
-        if let Ok(scene) = Scene::parse_with("quick.toml", QUICK, &sets)
+        if let Ok(scene) = common::parse_with("quick.toml", QUICK, &sets)
             && let Ok(state) = InitialState::new(&scene)
         {
             let hair = &state.hair;

@@ -8,12 +8,12 @@ use std::{
     path::{Path, PathBuf},
 };
 
-use common::{Folder, deflated, zeros_of};
+use common::{Folder, deflated, load, parse, zeros_of};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept_scene::{
-    Curves, End, Fibre, Groom, GroomFile, GroomFormat, HairSource, InitialState, RestShape, Scene, Stiffness,
-    Triangles, Up,
+    CheckedScene, Curves, End, Fibre, Groom, GroomFile, GroomFormat, HairSource, InitialState, Moduli, RestShape,
+    Scene, Stiffness, Triangles, Up,
 };
 
 fn f32s(numbers: &[f32]) -> Vec<u8> {
@@ -292,7 +292,7 @@ fn the_file_of_an_assignment_is_its_fault() {
     let path = folder.write("scene.toml", text.as_bytes());
     let said = |sets: &[&str]| {
         let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
-        InitialState::new(&Scene::load_with(&path, &sets).unwrap()).unwrap_err().to_string()
+        InitialState::new(&Scene::load_with(&path, &sets).unwrap().check().unwrap()).unwrap_err().to_string()
     };
     assert!(said(&[]).contains("scene.toml:4: hair.file: "), "{}", said(&[]));
     assert!(said(&["title=other"]).contains("scene.toml:4: hair.file: "), "{}", said(&["title=other"]));
@@ -387,7 +387,7 @@ fn groups_and_places_of_roots_come_back() {
     assert_eq!((&groom.ids, &groom.groups), (&curves.ids, &curves.groups));
     assert_eq!((&groom.root_uvs, &groom.guides), (&curves.root_uvs, &curves.guides));
     // The strands that are marked are simulated. A groom that is saved keeps the others too.
-    let scene = Scene::parse("time = { step = 1e-3, duration = 1 }\ninteraction.model = \"none\"").unwrap();
+    let scene = parse("time = { step = 1e-3, duration = 1 }\ninteraction.model = \"none\"").unwrap();
     let state = InitialState::with_groom(&scene, &groom).unwrap();
     let hair = &state.hair;
     assert_eq!((&hair.ids[..], &hair.groups[..]), (&[7, 1][..], &[2, 4_000_000_000][..]));
@@ -456,9 +456,9 @@ fn the_strands_that_are_kept_are_far_apart() {
     assert_eq!(same.guides(Some(3), 1).len(), 3);
 }
 
-fn scene_of(folder: &Folder, keys: &str) -> Result<Scene, windswept_scene::SceneError> {
+fn scene_of(folder: &Folder, keys: &str) -> Result<CheckedScene, windswept_scene::SceneError> {
     let text = format!("time = {{ step = 1e-3, duration = 1 }}\ninteraction.model = \"none\"\n[hair]\n{keys}\n");
-    Scene::load(folder.write("scene.toml", text.as_bytes()))
+    load(folder.write("scene.toml", text.as_bytes()))
 }
 
 /// A scene names a file beside it, whatever the folder that one is in; it carries the path from then on.
@@ -470,9 +470,9 @@ fn a_scene_takes_its_strands_from_a_file() {
     let scene = scene_of(&folder, "file = \"two.hair\" # ours\nscale = 0.01\nup = \"z\"\ndensity = 1000").unwrap();
     let HairSource::File(file) = &scene.hair[0].source else { panic!("{scene:?}") };
     assert!(Path::new(&file.file).is_absolute() && file.file.ends_with("two.hair"));
-    assert!(scene.text().contains("# ours"));
-    assert_eq!(Scene::parse(scene.text()).unwrap(), scene);
-    assert_eq!(Scene::parse(&scene.to_toml()).unwrap(), scene);
+    assert!(scene.scene().text().contains("# ours"));
+    assert_eq!(parse(scene.scene().text()).unwrap(), scene);
+    assert_eq!(parse(&scene.scene().to_toml()).unwrap(), scene);
     let state = InitialState::new(&scene).unwrap();
     let points: Vec<[f64; 3]> = state.hair.positions.iter().map(|x| x.to_array()).collect();
     let expected = [[0.0, 0.0, 0.0], [0.0, -0.1, 0.0], [0.0, -0.2, 0.0], [0.01, 0.0, 0.0], [0.01, 0.0, -0.05]];
@@ -512,12 +512,12 @@ fn paths_start_from_the_scenes_folder() {
     let scene = scene_of(&folder, &keys("two.hair")).unwrap();
     let path = folder.path().join("scene.toml");
     let set = format!("hair.file={file:?}");
-    let error = Scene::load_with(&path, std::slice::from_ref(&set)).unwrap_err();
+    let error = Scene::load_with(&path, std::slice::from_ref(&set)).and_then(|scene| scene.check()).unwrap_err();
     assert_eq!(error.to_string(), format!("--set {set}: {expected}"));
     let body =
         "[hair]\nfile = \"two.hair\"\nscale = 0.01\n[[body]]\nshape = \"mesh\"\nscale = 1\nfile = \"/none.obj\"\n";
     let head = "time = { step = 1e-3, duration = 1 }\ninteraction.model = \"none\"\n";
-    let error = Scene::load(folder.write("body.toml", (head.to_owned() + body).as_bytes())).unwrap_err();
+    let error = load(folder.write("body.toml", (head.to_owned() + body).as_bytes())).unwrap_err();
     assert_eq!((error.key(), error.line()), (Some("body.file"), Some(9)), "{error}");
     // From a folder beside it, which a link leads to.
     for name in ["real", "real/deep", "runs"] {
@@ -531,7 +531,7 @@ fn paths_start_from_the_scenes_folder() {
     let text = scene.text_in(&beside);
     assert!(text.contains("two.hair") && !text.contains(&file), "{text}");
     std::fs::write(beside.join("scene.toml"), &text).unwrap();
-    let again = Scene::load(beside.join("scene.toml")).unwrap();
+    let again = load(beside.join("scene.toml")).unwrap();
     assert_eq!(InitialState::new(&again).unwrap().hair, InitialState::new(&scene).unwrap().hair);
     assert_eq!(again.text_in(&beside), text);
 }
@@ -563,11 +563,7 @@ fn faults_of_files_name_the_key() {
         |keys: &str| format!("file = \"two.hair\"\nscale = 1\n{keys}\n[[body]]\ncenter = [0, 0.5, 0]\nradius = 50");
     let large = "m large, body \"body\" 100.000 x 100.000 x 100.000 m: hair.scale is";
     refused(&of_two(""), "hair.scale", &["is rooted", "expected at most a tenth of its radius", large]);
-    refused(
-        "file = \"two.hair\"\nscale = 1\nlength = 0.1",
-        "hair.length",
-        &["leave it out, as hair.file gives the strands"],
-    );
+    refused("file = \"two.hair\"\nscale = 1\nlength = 0.1", "hair.length", &["goes with strands that are drawn"]);
     refused("file = \"two.hair\"\nscale = 1\nroots = { center = [0, 0, 0], radius = 1 }", "hair.roots", &["hair.file"]);
     refused("file = \"two.hair\"\nscale = 0", "hair.scale", &["greater than 0"]);
     refused("file = \"two.hair\"\nscale = 1\nup = \"q\"", "hair.up", &["\"yzx\""]);
@@ -635,12 +631,12 @@ fn curves_made_in_code_are_checked() {
 fn upright(gamma: f64, lean: f64) -> Vec<String> {
     let (length, radius) = (0.1, 4e-5);
     let youngs_modulus = 1320.0 * 9.81 * length * length * length / (0.25 * gamma * radius * radius);
-    let stiffness = Stiffness::Moduli { youngs_modulus, poissons_ratio: 0.38 };
+    let stiffness = Stiffness::Moduli(Moduli { youngs_modulus, poissons_ratio: 0.38 });
     let fibre = Fibre { radius, stiffness, ..Fibre::default() };
     let along = |k: u32| length * f64::from(k) / 30.0;
     let points = (0..=30).map(|k| [lean * along(k), along(k), 0.0]).collect();
     let groom = Groom { fibre: fibre.into(), rest: RestShape::Hanging, ..Groom::new(points, vec![0, 31]) };
-    let scene = Scene::parse("time = { step = 1e-3, duration = 1 }\ninteraction.model = \"none\"").unwrap();
+    let scene = parse("time = { step = 1e-3, duration = 1 }\ninteraction.model = \"none\"").unwrap();
     InitialState::with_groom(&scene, &groom).unwrap().warnings
 }
 
@@ -660,7 +656,7 @@ fn strands_whose_roots_are_not_clamped_are_told() {
         let text = format!(
             "gravity = [0, -{gravity}, 0]\ntime = {{ step = 1e-3, duration = 1 }}\ninteraction.model = \"none\""
         );
-        let warnings = InitialState::with_groom(&Scene::parse(&text).unwrap(), &groom).unwrap().warnings;
+        let warnings = InitialState::with_groom(&parse(&text).unwrap(), &groom).unwrap().warnings;
         let says = warnings.iter().any(|warning| warning.contains("1 of 1 strands have a root that is not clamped"));
         assert_eq!(says, told, "{root:?} {tip:?}: {warnings:?}");
     }

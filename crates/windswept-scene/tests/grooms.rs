@@ -6,10 +6,11 @@ mod common;
 
 use std::f64::consts::{PI, TAU};
 
-use common::{assert_close, brush};
+use common::{assert_close, brush, parse};
 use glam::{DMat3, DQuat, DVec3};
 use windswept_scene::{
-    End, Fibre, Groom, InitialState, PerStrand, RestCurvature, Scene, SceneError, Stiffness, Strands,
+    CheckedScene, End, Fibre, Groom, InitialState, Moduli, PerStrand, RestCurvature, SceneError, Stiffness,
+    StrandStiffness, Strands,
 };
 
 fn groom_of(hair: &Strands) -> Groom {
@@ -97,8 +98,8 @@ fn a_scenes_own_strands_give_the_same_state() {
     assert_same(&InitialState::with_groom(&scene, &groom).unwrap().hair, &expected.hair, 2e-12, "per joint");
 }
 
-fn bare() -> Scene {
-    Scene::parse("time = { step = 1e-3, duration = 1.0 }\ninteraction.model = \"none\"").unwrap()
+fn bare() -> CheckedScene {
+    parse("time = { step = 1e-3, duration = 1.0 }\ninteraction.model = \"none\"").unwrap()
 }
 
 /// A quarter of a circle in the plane of x and y, and a strand half as long with other values.
@@ -142,7 +143,7 @@ fn ellipses_bend_easily_about_their_major_axis() {
     let flat = Fibre {
         radius: a,
         aspect: b / a,
-        stiffness: Stiffness::Moduli { youngs_modulus: e, poissons_ratio: 0.25 },
+        stiffness: Stiffness::Moduli(Moduli { youngs_modulus: e, poissons_ratio: 0.25 }),
         density: 1000.0,
         fibres_per_strand: 7.0,
         ..Fibre::default()
@@ -221,8 +222,8 @@ fn faults_name_the_argument() {
         change(&mut fibre);
         Groom { fibre: fibre.into(), ..two() }
     };
-    let moduli = |youngs_modulus, poissons_ratio| Stiffness::Moduli { youngs_modulus, poissons_ratio };
-    let direct = Stiffness::Direct { stretch: 20.0, bend: 1e-9, twist: 1e-9, poissons_ratio: 0.38 };
+    let moduli = |youngs_modulus, poissons_ratio| Stiffness::Moduli(Moduli { youngs_modulus, poissons_ratio });
+    let direct = Stiffness::Direct(StrandStiffness { stretch: 20.0, bend: 1e-9, twist: 1e-9, poissons_ratio: 0.38 });
     let cases: Vec<(Groom, &str, &str)> = vec![
         (edit(&|g| g.points[3][1] = f64::NAN), "groom.points", "at point 3"),
         (edit(&|g| g.points[3][1] = f64::INFINITY), "groom.points", "finite"),
@@ -277,7 +278,7 @@ fn faults_name_the_argument() {
     let stiff = |keys: &str| {
         let text =
             format!("time = {{ step = 1e-3, duration = 1.0 }}\ninteraction.model = \"none\"\nrods = {{ {keys} }}");
-        Scene::parse(&text).unwrap()
+        parse(&text).unwrap()
     };
     let clamped = Groom { tip: End::Clamped.into(), ..two() };
     let error = InitialState::with_groom(&stiff("solver = \"gauss-seidel\""), &clamped).unwrap_err();

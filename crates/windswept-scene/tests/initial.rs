@@ -5,7 +5,7 @@ mod common;
 
 use common::{BRUSH, QUICK, assert_close, brush, scene_of};
 use glam::DVec3;
-use windswept_scene::{Band, InitialState, Scene};
+use windswept_scene::InitialState;
 
 /// The example is a small one, and there is nothing to warn of.
 #[test]
@@ -16,7 +16,7 @@ fn quick_is_what_it_says() {
     assert_eq!((state.hair.len(), state.hair.positions.len()), (60, 660));
     assert!(state.warnings.is_empty(), "{:?}", state.warnings);
     // The strands stand in the box, clear of the fringe.
-    let air = scene.air.unwrap();
+    let air = scene.air.as_ref().unwrap();
     assert!(state.hair.roots().all(|root| root.x > air.fringe), "roots stand in the fringe");
     let size = state.air.size;
     assert!(state.hair.positions.iter().all(|x| x.cmpgt(DVec3::ZERO).all() && x.cmplt(size).all()));
@@ -94,13 +94,13 @@ fn air_has_its_density_and_leaves_room_for_hair() {
 #[test]
 fn air_starts_with_the_wind_that_has_risen() {
     let (scene, state) = brush(&[]);
-    let air = scene.air.unwrap();
+    let air = scene.air.as_ref().unwrap();
     assert!(state.air.velocities.iter().all(|v| *v == DVec3::ZERO));
     assert_eq!([-1.0, 0.0, 0.025, 0.05, 9.0].map(|t| air.wind_at(t)[0]), [0.0, 0.0, 1.5, 3.0, 3.0]);
     let (scene, state) = brush(&["air.ramp=0", "air.wind=[1,2,-3]"]);
     assert_eq!(state.air.velocities.len(), state.air.positions.len());
     assert!(state.air.velocities.iter().all(|v| *v == DVec3::new(1.0, 2.0, -3.0)));
-    assert_eq!(scene.air.unwrap().risen(0.0), 1.0);
+    assert_eq!(scene.air.as_ref().unwrap().risen(0.0), 1.0);
 }
 
 /// Without particles local coordinates start at the mean of the roots.
@@ -235,9 +235,7 @@ fn a_user_is_warned() {
     let along = ["hair.roots.shape=line", "hair.roots.direction=[0,0,1]", "hair.roots.radius=0.05", "hair.length=0.03"];
     let warnings = brush(&[&along[..], &["hair.roots.center=[0.08,0.06,0.01]"]].concat()).1.warnings;
     assert!(warnings.is_empty(), "{warnings:?}");
-    let mut scene = scene_of(BRUSH, &[]);
-    scene.turbulence.bands = [0.0049, 0.006].map(|scale| Band { scale, strength: 3.0, intensity: 0.3 }).to_vec();
-    let warnings = InitialState::new(&scene).unwrap().warnings;
+    let warnings = brush(&["turbulence.bands=[{scale=0.0049,intensity=0.3},{scale=0.006,intensity=0.3}]"]).1.warnings;
     assert!(warnings.len() == 1 && warnings[0].contains("turbulence scale 0.0049 m is below"), "{warnings:?}");
 }
 
@@ -246,8 +244,8 @@ fn a_user_is_warned() {
 #[test]
 fn a_warning_has_the_spacing_of_the_box() {
     let (scene, state) = brush(&["turbulence={bands=[{scale=0.003,strength=3,intensity=0.3}]}"]);
-    let [filled, parcels] =
-        [state.air.volume, scene.air.unwrap().particle_volume()].map(|volume| format!("{:.2e} m", volume.cbrt()));
+    let [filled, parcels] = [state.air.volume, scene.air.as_ref().unwrap().particle_volume()]
+        .map(|volume| format!("{:.2e} m", volume.cbrt()));
     assert_ne!(filled, parcels, "the box would have to be another one");
     let words = format!("is below what particles {filled} apart can carry");
     assert!(state.warnings.iter().any(|warning| warning.contains(&words)), "{words}: {:?}", state.warnings);
@@ -312,7 +310,7 @@ fn a_margin_cuts_the_box_to_the_hairs_reach() {
     assert_eq!(error.key(), Some("air.margin"), "{error}");
     // A box that holds too many particles is refused, unless it is cut.
     let huge = "air.box={min=[-2,-2,-2],max=[2,2,2]}";
-    assert!(Scene::parse_with("scene", BRUSH, &[huge.to_owned()]).unwrap_err().to_string().contains("would hold"));
+    assert!(common::parse_with("scene", BRUSH, &[huge.to_owned()]).unwrap_err().to_string().contains("would hold"));
     let air = brush(&[huge, "air.margin=0.01", "hair.length=0.03"]).1.air;
     assert!(air.positions.len() < 40_000, "{}", air.positions.len());
 }

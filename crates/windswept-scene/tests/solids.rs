@@ -5,9 +5,9 @@ mod common;
 
 use std::{f64::consts::PI, fmt::Write};
 
-use common::{Folder, box_of, obj, scene_of};
+use common::{Folder, box_of, obj, parse};
 use glam::{DQuat, DVec3};
-use windswept_scene::{InitialState, Scene, SceneError, Shape, Solid, Triangles};
+use windswept_scene::{Body, CheckedScene, CheckedShape, InitialState, Scene, SceneError, Solid, Triangles};
 
 /// A scene of hair alone, to which bodies are added.
 const HAIR: &str = "interaction.model = \"none\"\n[time]\nstep = 1e-3\nduration = 1.0\n[hair]\nstrands = 200\npoints = 4\nlength = 0.02\n";
@@ -15,13 +15,13 @@ const HAIR: &str = "interaction.model = \"none\"\n[time]\nstep = 1e-3\nduration 
 const AWAY: &str = "roots = { center = [0, 5, 0], radius = 1e-3 }\n";
 
 /// A scene beside its files, with this behind the hair.
-fn load(folder: &Folder, rest: &str) -> Result<Scene, SceneError> {
-    Scene::load(folder.write("scene.toml", format!("{HAIR}{rest}").as_bytes()))
+fn load(folder: &Folder, rest: &str) -> Result<CheckedScene, SceneError> {
+    common::load(folder.write("scene.toml", format!("{HAIR}{rest}").as_bytes()))
 }
 
 /// The sphere of 40 mm about (10, 20, 30) mm, in millimetres and Z up.
 fn ball_file(folder: &Folder) {
-    let ball = Shape::Sphere { center: [10.0, -30.0, 20.0], radius: 40.0 };
+    let ball = CheckedShape::sphere([10.0, -30.0, 20.0], 40.0);
     folder.write("ball.obj", &obj(&ball.surface(64, 128)));
 }
 
@@ -38,7 +38,7 @@ fn a_mesh_is_what_its_file_encloses() {
     let solid = body.shape.solid().unwrap();
     assert_eq!(solid.file().file, folder.path().join("ball.obj").to_str().unwrap());
     let center = DVec3::X + DQuat::from_rotation_z(0.3) * DVec3::new(0.01, 0.02, 0.03);
-    let (mesh, ball) = (body.at(0.5), Shape::Sphere { center: center.to_array(), radius: 0.04 });
+    let (mesh, ball) = (body.at(0.5), CheckedShape::sphere(center.to_array(), 0.04));
     assert!(mesh.center().distance(DVec3::X) < 1e-15, "{}", mesh.center());
     let mut worst = 0.0_f64;
     for (x, normal) in ball.skin(16, 16) {
@@ -59,7 +59,7 @@ fn a_mesh_is_what_its_file_encloses() {
     for (x, normal) in skin {
         assert!(normal.distance((x - center).normalize()) < 0.05 && (x.distance(center) - 0.04).abs() < 1e-8, "{x}");
     }
-    let again = Scene::parse(&scene.to_toml()).unwrap();
+    let again = parse(&scene.scene().to_toml()).unwrap();
     assert_eq!(again, scene);
     let other = load(&folder, &format!("{AWAY}[[body]]\n{}", keys.replace("1.5e-3", "2e-3"))).unwrap();
     assert_ne!(other.bodies[0].shape, scene.bodies[0].shape);
@@ -80,10 +80,10 @@ fn bodies_of_one_content_share_it() {
     };
     std::fs::copy(folder.path().join("ball.obj"), folder.path().join("copy.obj")).unwrap();
     let scene = two("copy.obj");
-    let solid = |scene: &Scene, i: usize| scene.bodies[i].shape.solid().unwrap().clone();
+    let solid = |scene: &CheckedScene, i: usize| scene.bodies[i].shape.solid().unwrap().clone();
     assert!(solid(&scene, 0).shares_grid(&solid(&scene, 1)) && solid(&scene, 0) != solid(&scene, 1));
     assert!(solid(&two("ball.obj"), 0).shares_grid(&solid(&scene, 0)));
-    let larger = Shape::Sphere { center: [0.0; 3], radius: 45.0 };
+    let larger = CheckedShape::sphere([0.0; 3], 45.0);
     folder.write("copy.obj", &obj(&larger.surface(16, 16)));
     let changed = two("copy.obj");
     assert!(!solid(&changed, 1).shares_grid(&solid(&scene, 1)) && changed != scene);
@@ -155,9 +155,9 @@ fn faults_name_key_and_file() {
         (
             "file = \"ball.obj\"\nscale = 1e-3\nradius = 1",
             "radius",
-            "expected no radius with shape \"mesh\", which has file",
+            "goes with shape \"sphere\": expected no such key with shape \"mesh\"",
         ),
-        ("scale = 1e-3", "file", "is missing: shape \"mesh\" has file"),
+        ("scale = 1e-3", "file", "is missing: expected a path relative"),
         ("file = \"ball.obj\"\nscale = 1e-3\nresolution = 0", "resolution", "a length in metres greater than 0"),
         ("file = \"ball.obj\"\nscale = 1e-3\nup = \"w\"", "up", "expected one of"),
     ] {
@@ -168,7 +168,10 @@ fn faults_name_key_and_file() {
     }
     let ball = "[[body]]\ncenter = [0, 0, 0]\nradius = 0.1\nfile = \"ball.obj\"\n";
     let error = load(&folder, &format!("{AWAY}{ball}")).unwrap_err();
-    assert!(error.message().contains("expected no file with shape \"sphere\""), "{error}");
+    assert!(
+        error.message().contains("goes with shape \"mesh\": expected no such key with shape \"sphere\""),
+        "{error}"
+    );
 }
 
 /// A mesh that is smaller than a millimetre has a warning with its size and its scale, as one that is too large has an
@@ -200,7 +203,7 @@ fn grids_that_are_too_coarse_are_warned_of() {
         let coarse = said.into_iter().find(|warning| warning.contains("grid of distances"));
         (scene.bodies[0].shape.solid().unwrap().grid_error(), coarse)
     };
-    let ball = |radius: f64| Shape::Sphere { center: [0.0; 3], radius }.surface(64, 128);
+    let ball = |radius: f64| CheckedShape::sphere([0.0; 3], radius).surface(64, 128);
     let with = |mut mesh: Triangles, other: Triangles| {
         let first = mesh.points.len() as u32;
         mesh.points.extend(other.points);
@@ -305,7 +308,7 @@ fn roots_are_scattered_on_a_mesh() {
     assert!(left + right == 200 && (80..=120).contains(&left), "{left} {right}");
     let first = |state: &InitialState| (state.hair.positions[1] - state.hair.positions[0]).normalize();
     assert!(first(&glass).abs().distance(DVec3::X) < 0.02 || first(&glass).x.abs() > 0.7, "{}", first(&glass));
-    let other = InitialState::new(&Scene { seed: 2, ..top.clone() }).unwrap();
+    let other = InitialState::new(&Scene { seed: 2, ..top.scene().clone() }.check().unwrap()).unwrap();
     assert_ne!(other.hair.positions, state.hair.positions);
     // Nothing of all this starts inside the body.
     let all = InitialState::new(&roots("", body)).unwrap();
@@ -326,7 +329,7 @@ fn roots_go_with_their_body() {
     let roots = "roots = { shape = \"mesh\", body = \"box\", group = \"top\" }\n";
     let scene = load(&folder, &format!("{roots}{body}")).unwrap();
     assert_eq!(scene.hair[0].motion, scene.bodies[0].motion);
-    assert_eq!(Scene::parse(&scene.to_toml()).unwrap(), scene);
+    assert_eq!(parse(&scene.scene().to_toml()).unwrap(), scene);
     let state = InitialState::new(&scene).unwrap();
     let solid = scene.bodies[0].at(0.0);
     for x in state.hair.roots() {
@@ -349,8 +352,12 @@ fn roots_on_what_is_not_there_are_refused() {
         ("body = \"boks\"", "body", "expected the name of a body with shape \"mesh\", found \"boks\": box"),
         ("body = \"ball\"", "body", "found \"ball\": box"),
         ("body = \"box\", group = \"roof\"", "group", "found \"roof\": glass, sides, top, wood"),
-        ("group = \"top\"", "body", "is missing: expected the name of a body"),
-        ("body = \"box\", radius = 0.1", "radius", "expected no radius with shape \"mesh\", which has body"),
+        ("group = \"top\"", "body", "is missing: expected a string"),
+        (
+            "body = \"box\", radius = 0.1",
+            "radius",
+            "goes with shape \"disc\": expected no such key with shape \"mesh\"",
+        ),
     ] {
         let error = load(&folder, &format!("roots = {{ shape = \"mesh\", {keys} }}\n{body}")).unwrap_err();
         assert_eq!(error.key(), Some(format!("hair.roots.{key}").as_str()), "{error}");
@@ -358,10 +365,10 @@ fn roots_on_what_is_not_there_are_refused() {
     }
     let error =
         load(&folder, &format!("roots = {{ center = [0, 1, 0], radius = 0.1, body = \"box\" }}\n{body}")).unwrap_err();
-    assert!(error.message().contains("expected no body with shape \"disc\""), "{error}");
+    assert!(error.message().contains("goes with shape \"mesh\": expected no such key with shape \"disc\""), "{error}");
     // A scene that was changed in code.
     let scene = load(&folder, &format!("roots = {{ shape = \"mesh\", body = \"box\" }}\n{body}")).unwrap();
-    let error = InitialState::new(&Scene { bodies: Vec::new(), ..scene }).unwrap_err();
+    let error = Scene { bodies: Vec::new(), ..scene.scene().clone() }.check().unwrap_err();
     assert_eq!(error.key(), Some("hair.roots.body"), "{error}");
     assert!(error.message().contains("there is none"), "{error}");
 }
@@ -369,20 +376,23 @@ fn roots_on_what_is_not_there_are_refused() {
 /// Triangles that were made in code enclose what those of a file do; what they enclose leaves room to air.
 #[test]
 fn air_leaves_a_mesh_out() {
-    let ball = Shape::Sphere { center: [0.1, 0.06, 0.035], radius: 0.02 };
+    let ball = CheckedShape::sphere([0.1, 0.06, 0.035], 0.02);
     let surface = ball.surface(64, 128);
     assert!(Solid::enclosed(Triangles::default(), None).is_err());
     let solid = Solid::enclosed(surface, Some(1e-3)).unwrap();
     let bald = common::BRUSH.replace("strands = 60", "strands = 1").replace("length = 0.1", "length = 0.02");
-    let mut scene = scene_of(&format!("{bald}[[body]]\nradius = 0.02\ncenter = [0.1, 0.06, 0.035]\n"), &[]);
-    let round = InitialState::new(&scene).unwrap();
-    scene.bodies[0].shape = Shape::Mesh(solid);
-    let meshed = InitialState::new(&scene).unwrap();
+    let mut scene = Scene::parse(&bald).unwrap();
+    let mut start = |body| {
+        scene.bodies = vec![body];
+        InitialState::new(&scene.check().unwrap()).unwrap()
+    };
+    let (round, meshed) = (start(Body::sphere([0.1, 0.06, 0.035], 0.02)), start(Body::solid(solid)));
     let [of_round, of_mesh] = [&round, &meshed].map(|state| state.air.positions.len() as f64 * state.air.volume);
     let solid = 4.0 / 3.0 * PI * 8e-6;
     println!("room differs by {:.1e} of the ball", (of_mesh - of_round) / solid);
     // Chords take 0.1 %, and a lattice of d/6 counts the rest.
     assert!((of_mesh - of_round).abs() < 3e-3 * solid, "{of_mesh} {of_round}");
+    let scene = scene.check().unwrap();
     assert!(meshed.air.positions.iter().all(|x| scene.bodies[0].shape.signed_distance(*x).0 >= 0.0));
 }
 

@@ -9,7 +9,7 @@ use common::{Folder, box_of, obj};
 use glam::{DQuat, DVec3, Vec3Swizzles};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use windswept_scene::{DistanceGrid, MeshFile, SceneError, Shape, Solid, Triangles, Up, limits::MAX_PRIMITIVES};
+use windswept_scene::{CheckedShape, DistanceGrid, MeshFile, SceneError, Solid, Triangles, Up, limits::MAX_PRIMITIVES};
 
 /// Most that a node is off which is more than eight spacings from the surface \[spacings\].
 const FAR_OFF: f64 = 0.25;
@@ -36,7 +36,7 @@ fn nodes(grid: &DistanceGrid) -> impl Iterator<Item = (DVec3, f64)> + '_ {
 }
 
 /// Points within `reach` of a shape's surface.
-fn near(shape: &Shape, reach: f64, count: usize) -> Vec<DVec3> {
+fn near(shape: &CheckedShape, reach: f64, count: usize) -> Vec<DVec3> {
     let mut rng = Pcg64::seed_from_u64(3);
     let [low, high] = shape.bounds();
     let mut point =
@@ -48,7 +48,7 @@ fn near(shape: &Shape, reach: f64, count: usize) -> Vec<DVec3> {
 /// the error is h²/(4 R), and the normals are those of the ball.
 #[test]
 fn a_ball_of_triangles_is_a_ball() {
-    let shape = Shape::Sphere { center: [0.1, 0.2, 0.3], radius: 0.09 };
+    let shape = CheckedShape::sphere([0.1, 0.2, 0.3], 0.09);
     let (rows, sides, h) = (256, 512, 0.002);
     let (surface, _) = shape.surface(rows, sides).closed();
     let grid = DistanceGrid::bake(&surface, h, 0.01).unwrap();
@@ -78,7 +78,7 @@ fn a_ball_of_triangles_is_a_ball() {
 #[test]
 fn a_capsule_of_triangles_is_a_capsule() {
     let (radius, h) = (0.02, 0.001);
-    let shape = Shape::Capsule { start: [0.0, 0.01, 0.0], end: [0.05, 0.04, -0.03], radius };
+    let shape = CheckedShape::capsule([0.0, 0.01, 0.0], [0.05, 0.04, -0.03], radius);
     let (surface, holes) = shape.surface(128, 256).closed();
     assert_eq!(holes, 0);
     let grid = DistanceGrid::bake(&surface, h, 0.01).unwrap();
@@ -134,7 +134,7 @@ fn a_box_with_holes_is_a_box() {
 #[test]
 fn pieces_are_solid_unless_they_are_hollows() {
     let ball = |x: f64, radius: f64, turned: bool| {
-        let mut all = (Shape::Sphere { center: [x, 0.0, 0.0], radius }).surface(32, 64);
+        let mut all = (CheckedShape::sphere([x, 0.0, 0.0], radius)).surface(32, 64);
         if turned {
             all.corners.iter_mut().for_each(|corners| corners.swap(0, 1));
         }
@@ -157,7 +157,7 @@ fn pieces_are_solid_unless_they_are_hollows() {
 /// search along a way steps through nothing; the normal is the direction in which it grows.
 #[test]
 fn distances_go_on_beyond_the_grid() {
-    let shape = Shape::Sphere { center: [0.0; 3], radius: 0.03 };
+    let shape = CheckedShape::sphere([0.0; 3], 0.03);
     let grid = DistanceGrid::bake(&shape.surface(64, 128).closed().0, 0.001, 0.004).unwrap();
     let mut rng = Pcg64::seed_from_u64(5);
     for _ in 0..20_000 {
@@ -217,7 +217,7 @@ fn triangles_across_one_another_are_refused() {
     let file = folder.write("soup.ply", &ply(&soup(DVec3::new(2.1, 0.05, 0.05), 60_000), true));
     for resolution in [None, Some(2e-3)] {
         let file = file.to_string_lossy().into_owned();
-        let error = Solid::load(MeshFile { file, scale: Some(1.0), up: Up::Y, resolution }).unwrap_err();
+        let error = Solid::load(MeshFile { scale: Some(1.0), resolution, ..MeshFile::new(file) }).unwrap_err();
         assert_eq!(error.key(), Some("file"), "{error}");
         assert!(error.message().contains("lie close to one another"), "{error}");
         assert_eq!(error.help(), Some("leave out what is inside, or lies upon others"));

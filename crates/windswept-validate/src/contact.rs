@@ -2,7 +2,7 @@
 
 use glam::{DQuat, DVec3, EulerRot};
 use windswept::{Gpu, Simulation};
-use windswept_scene::{Groom, InitialState, Scene, SceneError, Shape, Solid, Triangles};
+use windswept_scene::{CheckedShape, Groom, InitialState, Scene, SceneError, Solid, Triangles};
 
 use crate::{
     Error, Row,
@@ -56,8 +56,8 @@ pub(crate) fn bodies(gpu: &Gpu) -> Result<Vec<Row>, Error> {
         rows.extend(slide.rows(gpu, 0.29)?);
     }
     rows.push(draped(gpu)?);
-    rows.push(rested(gpu, "ball", Shape::Sphere { center: [0.0; 3], radius: 0.05 })?);
-    let bone = Shape::Capsule { start: [-0.03, 0.0, -0.02], end: [0.05, 0.0, 0.03], radius: 0.05 };
+    rows.push(rested(gpu, "ball", CheckedShape::sphere([0.0; 3], 0.05))?);
+    let bone = CheckedShape::capsule([-0.03, 0.0, -0.02], [0.05, 0.0, 0.03], 0.05);
     rows.push(rested(gpu, "capsule", bone)?);
     rows.extend(passed(gpu)?);
     Ok(rows)
@@ -72,7 +72,7 @@ pub(crate) fn rests(gpu: &Gpu) -> Result<Vec<Row>, Error> {
 
 /// A loose strand of three segments that lies on bodies in a field of gravity that slopes.
 struct Slide {
-    shapes: Vec<Shape>,
+    shapes: Vec<CheckedShape>,
     /// Keys of the strand, and its first point \[m\].
     hair: &'static str,
     first: DVec3,
@@ -89,7 +89,7 @@ struct Slide {
 
 fn on_a_bar() -> Slide {
     Slide {
-        shapes: vec![Shape::Capsule { start: [-0.5, 0.0, 0.0], end: [0.5, 0.0, 0.0], radius: RADIUS }],
+        shapes: vec![CheckedShape::capsule([-0.5, 0.0, 0.0], [0.5, 0.0, 0.0], RADIUS)],
         hair: "length = 0.03",
         first: RADIUS * DVec3::Y,
         steps: 200,
@@ -113,7 +113,7 @@ fn on_a_mesh() -> Result<Slide, Error> {
         ..Triangles::default()
     };
     Ok(Slide {
-        shapes: vec![Shape::Mesh(Solid::enclosed(surface, Some(8e-3))?).moved(|x| askew.inverse() * x)],
+        shapes: vec![CheckedShape::Mesh(Solid::enclosed(surface, Some(8e-3))?).moved(|x| askew.inverse() * x)],
         names: ["hair on a mesh's slope of", "slides", "off the surface"],
         tolerances: [2e-4, 2.7e-7, 1.1e-7],
         sources: [MESH_SLIDES, MESH_STAYS, MESH_TOUCHES],
@@ -124,7 +124,7 @@ fn on_a_mesh() -> Result<Slide, Error> {
 /// On two bars of 10 mm, with the middles of the outer two segments.
 fn on_bars() -> Slide {
     const THIN: f64 = 0.005;
-    let bar = |x| Shape::Capsule { start: [x, 0.0, -0.02], end: [x, 0.0, 0.02], radius: THIN };
+    let bar = |x| CheckedShape::capsule([x, 0.0, -0.02], [x, 0.0, 0.02], THIN);
     Slide {
         shapes: [-0.03, 0.03].map(bar).to_vec(),
         hair: "length = 0.09\nradius = 2e-4",
@@ -158,7 +158,7 @@ impl Slide {
             (0..self.shapes.len()).map(body).collect::<String>(),
         );
         let mut scene = Scene::parse(&text)?;
-        scene.bodies.iter_mut().zip(&self.shapes).for_each(|(body, shape)| body.shape = shape.clone());
+        scene.bodies.iter_mut().zip(&self.shapes).for_each(|(body, shape)| body.shape = shape.clone().into());
         let mut initial = InitialState::new(&scene)?;
         let onto = self.first - initial.hair.positions[0];
         initial.hair.positions.iter_mut().for_each(|x| *x += onto);
@@ -246,14 +246,14 @@ fn draped(gpu: &Gpu) -> Result<Row, Error> {
 }
 
 /// Row of how far from one another a strand comes to rest on a body, as it is and as triangles.
-fn rested(gpu: &Gpu, name: &str, shape: Shape) -> Result<Row, Error> {
+fn rested(gpu: &Gpu, name: &str, shape: CheckedShape) -> Result<Row, Error> {
     let apart = apart_on_a_mesh(gpu, name, shape, 600, InitialState::new)?;
     Ok(Row::new(format!("hair on a {name}: at rest on a mesh of it, apart"), 0.0, apart, 2e-4, RESTED).in_unit("m"))
 }
 
 /// Row of how far from one another strands come to rest that fall over a capsule, along it and askew.
 fn spread(gpu: &Gpu) -> Result<Row, Error> {
-    let bone = Shape::Capsule { start: [-0.03, 0.0, 0.01], end: [0.03, 0.01, -0.01], radius: 0.03 };
+    let bone = CheckedShape::capsule([-0.03, 0.0, 0.01], [0.03, 0.01, -0.01], 0.03);
     let strand = |s: u32| {
         let (sin, cos) = (f64::from(s) * 0.5 * std::f64::consts::FRAC_PI_3).sin_cos();
         let along = DVec3::new(cos, 0.0, sin);
@@ -269,12 +269,12 @@ fn spread(gpu: &Gpu) -> Result<Row, Error> {
 fn apart_on_a_mesh(
     gpu: &Gpu,
     name: &str,
-    shape: Shape,
+    shape: CheckedShape,
     steps: u64,
     start: impl Fn(&Scene) -> Result<InitialState, SceneError>,
 ) -> Result<f64, Error> {
     let mut scene = Scene::parse(RESTING)?;
-    scene.bodies[0].shape = shape;
+    scene.bodies[0].shape = shape.into();
     let at_rest = |scene: &Scene| rest(gpu, name, scene, start(scene)?, steps);
     let (round, meshed) = (at_rest(&scene)?, at_rest(&meshed(&scene, FINE, 2e-3)?)?);
     Ok(farthest(round.iter().zip(&meshed).map(|(a, b)| a.distance(*b)), 0.0))
@@ -308,9 +308,9 @@ center = [0, 0, 0]
 
 /// The scene with its body as so many rings and sectors of triangles, in a grid of this spacing \[m\].
 pub(crate) fn meshed(scene: &Scene, [rings, sectors]: [u32; 2], spacing: f64) -> Result<Scene, Error> {
+    let surface = scene.check()?.bodies[0].shape.surface(rings, sectors);
     let mut scene = scene.clone();
-    let body = &mut scene.bodies[0];
-    body.shape = Shape::Mesh(Solid::enclosed(body.shape.surface(rings, sectors), Some(spacing))?);
+    scene.bodies[0].shape = Solid::enclosed(surface, Some(spacing))?.into();
     Ok(scene)
 }
 

@@ -130,7 +130,7 @@ fn clamped(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let scene = windless(TWO_ACT, [0.07, 0.05, 0.05], CLAMPED)?;
     let mut initial = InitialState::new(&scene)?;
     initial.air.velocities.fill(STREAM);
-    let p = Parameters::new(&scene, &initial);
+    let p = Parameters::new(&scene.check()?, &initial);
     let mut s = State::new(&initial, p.step);
     let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
     let momentum = |s: &State| -> (DVec3, DVec3) {

@@ -5,8 +5,8 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use windswept::{Gpu, ops::Filter};
-use windswept_scene::{Fluid, FluidSolver, InitialState, Scene};
+use windswept::Gpu;
+use windswept_scene::{DirectFilter, Filter, Fluid, FluidSolver, InitialState, Scene};
 
 use crate::{
     Error, Row,
@@ -60,7 +60,7 @@ fn scene(fluid: &Fluid, substeps: u32) -> Result<Scene, Error> {
     let mut scene = air::scene("viscosity = { hair = 0.0, air = 0.0 }")?;
     (scene.fluid, scene.time.substeps) = (fluid.clone(), substeps);
     if let Some(air) = &mut scene.air {
-        (air.wind, air.fringe) = (WIND.to_array(), 0.0);
+        (air.wind, air.fringe) = (Some(WIND.to_array()), Some(0.0));
     }
     Ok(scene)
 }
@@ -233,11 +233,12 @@ pub fn energy_left(gpu: &Gpu, fluid: &Fluid, substeps: u32) -> Result<f64, Error
 pub fn stirred(gpu: &Gpu, fluid: &Fluid, substeps: u32) -> Result<[f64; 3], Error> {
     let cloud = swirling(Cloud::lattice([16; 3], SIMPLE).jittered(0.2, 7), 0.5);
     let mut scene = scene(fluid, substeps)?;
-    scene.viscosity.air = 0.014;
+    scene.viscosity.air = Some(0.014);
     let simulation = ran(gpu, &scene, cloud.initial(), (0.12 / STEP).round() as u64)?;
     let after = cloud.of_frame(&simulation.frame()?.air);
     let band = |scale: f64| -> Result<f64, Error> {
-        let band = vectors(&after.particles().band_velocity(gpu, scale, Filter::Direct { cutoff: 4.5 })?);
+        let band =
+            vectors(&after.particles().band_velocity(gpu, scale, Filter::Direct(DirectFilter { cutoff: 4.5 }))?);
         Ok(mean(band.iter().map(|u| 0.5 * u.length_squared())))
     };
     Ok([band(SCALES[0])?, band(SCALES[1])?, band(SCALES[2])?])

@@ -1,9 +1,9 @@
 //! Single passes on the GPU in f32 beside the reference's in f64 (windswept_reference).
 
 use glam::DVec3;
-use windswept::{Gpu, internals::step, ops::Filter};
+use windswept::{Gpu, internals::step};
 use windswept_reference::{self as reference, Parameters, fluid, neighbours, step::unobserved, turbulence, viscosity};
-use windswept_scene::{Band, Fluid, InitialState, Scene};
+use windswept_scene::{Band, DirectFilter, Filter, Fluid, FluidSolver, InitialState, Scene};
 
 use crate::{
     Error, Row,
@@ -21,17 +21,19 @@ const RODS: &str = "f64 reference, 12 curled strands, thrown; what rods change v
 /// filter-leak has shorter ones.
 const CUTOFF: f64 = 6.5;
 
+/// Coefficient c of the viscosity.
+const VISCOSITY: f64 = 0.9;
+
 /// Rows of single passes on 3375 particles: largest difference over the largest value.
 pub(crate) fn passes(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let cloud = Cloud::random(15, 11).stirred(1.0, 11);
-    let fluid_settings = Fluid::pbf(1, 0.5);
     let band = Band { scale: 6e-3, strength: 1.0, intensity: 1.0 };
     let mut scene = air::scene("")?;
-    scene.fluid = fluid_settings.clone();
-    scene.viscosity.air = 0.9;
-    scene.turbulence.cutoff = CUTOFF;
+    scene.fluid = Fluid { solver: Some(FluidSolver::Pbf), iterations: 1, relaxation: 0.5, ..Fluid::default() };
+    scene.viscosity.air = Some(VISCOSITY);
     let initial = cloud.initial();
-    let p = Parameters::new(&scene, &initial);
+    let mut p = Parameters::new(&scene.check()?, &initial);
+    p.cutoff = CUTOFF;
     let single = |rows: &[DVec3]| rows.iter().map(|x| x.as_vec3().as_dvec3()).collect::<Vec<_>>();
     let (x, v) = (single(&initial.air.positions), single(&initial.air.velocities));
     let (volume, inverse_mass) = (vec![VOLUME; x.len()], vec![1.0 / MASS; x.len()]);
@@ -43,12 +45,12 @@ pub(crate) fn passes(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let particles = cloud.particles();
     let density: Vec<_> = particles.density(gpu)?.iter().map(|rho| DVec3::X * f64::from(*rho) / REST_DENSITY).collect();
     let theta_rows: Vec<_> = theta.iter().map(|ratio| DVec3::X * *ratio).collect();
-    let moved = vectors(&particles.solve_density(gpu, fluid_settings)?);
+    let moved = vectors(&particles.solve_density(gpu, 1, 0.5)?);
     let shift: Vec<_> = moved.iter().zip(&x).map(|(after, before)| across(*after - *before, cloud.size)).collect();
     let omega = vectors(&particles.vorticity(gpu)?);
-    let summed = vectors(&particles.band_velocity(gpu, band.scale, Filter::Direct { cutoff: CUTOFF })?);
-    let on_grid = vectors(&particles.band_velocity(gpu, band.scale, Filter::of(&scene.turbulence))?);
-    let smooth = vectors(&particles.viscosity(gpu, scene.viscosity.air)?);
+    let summed = vectors(&particles.band_velocity(gpu, band.scale, Filter::Direct(DirectFilter { cutoff: CUTOFF }))?);
+    let on_grid = vectors(&particles.band_velocity(gpu, band.scale, Filter::default())?);
+    let smooth = vectors(&particles.viscosity(gpu, VISCOSITY)?);
     let change = |after: &[DVec3]| after.iter().zip(&v).map(|(after, before)| *after - *before).collect::<Vec<_>>();
     let reference_smooth = viscosity::xsph(&p, &x, &v, &inverse_mass, &volume, &near, &theta, &eddies, &exchange);
     let (reference_grid, _) = turbulence::band_velocity(&p, &band, DVec3::ZERO, &x, &v, &volume);

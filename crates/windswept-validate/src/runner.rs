@@ -6,7 +6,7 @@ use windswept::{
     internals::{self, Array, Engine, Plan, Recorder, Setup},
 };
 use windswept_reference::{Parameters, State};
-use windswept_scene::{InitialState, Scene};
+use windswept_scene::{AsChecked, InitialState};
 
 use crate::{Error, air::vectors};
 
@@ -19,7 +19,8 @@ pub(crate) struct Runner {
 }
 
 impl Runner {
-    pub(crate) fn new(gpu: &Gpu, scene: &Scene, initial: &InitialState) -> Result<Self, Error> {
+    pub(crate) fn new(gpu: &Gpu, scene: &impl AsChecked, initial: &InitialState) -> Result<Self, Error> {
+        let scene = &*scene.as_checked()?;
         let setup = Setup::new(scene, initial);
         let (engine, mut plan) = (Engine::new(gpu, &setup)?, Plan::new(&setup));
         plan.recover_strands();

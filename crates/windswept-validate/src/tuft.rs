@@ -6,8 +6,8 @@
 //! `viscosity.smagorinsky`.
 
 use glam::DVec3;
-use windswept::{Gpu, Simulation, ops::Filter};
-use windswept_scene::{AirParticles, InitialState, Scene};
+use windswept::{Gpu, Simulation};
+use windswept_scene::{AirParticles, Filter, InitialState, Scene};
 
 use crate::{
     Error, Row,

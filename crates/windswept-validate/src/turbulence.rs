@@ -6,10 +6,9 @@ use glam::DVec3;
 use windswept::{
     Gpu,
     internals::{Engine, Plan, Setup, step},
-    ops::Filter,
 };
 use windswept_reference::{sph_kernels::spiky_slope, turbulence::peak_gain};
-use windswept_scene::{InitialState, Scene};
+use windswept_scene::{AsChecked, DirectFilter, Filter, InitialState};
 
 use crate::{
     Error, Row,
@@ -25,7 +24,7 @@ const GAIN: &str = "closed form; cut at 6 s, where f32 sees no cut; measured 1.9
 const GRID_GAIN: &str = "closed form; default order and spacing; measured 6.0e-5 off; margin 2";
 
 /// Filter by direct sum whose cut leaves all of the hat that f32 sees.
-const WHOLE_HAT: Filter = Filter::Direct { cutoff: 6.0 };
+const WHOLE_HAT: Filter = Filter::Direct(DirectFilter { cutoff: 6.0 });
 
 /// Rows of ω over 2Ω of a rigid rotation on the simple cubic lattice: the plain sum with Spiky has 0.945 of it.
 pub(crate) fn rotation(gpu: &Gpu) -> Result<Vec<Row>, Error> {
@@ -76,9 +75,9 @@ pub(crate) fn translation(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let changes: Vec<_> = vectors(&smoothed).into_iter().map(|v| v - velocity).collect();
     let mut windy = air::scene("turbulence.bands = [{ scale = 0.006, strength = 3.0 }]")?;
     if let Some(air) = &mut windy.air {
-        air.wind = velocity.to_array();
+        air.wind = Some(velocity.to_array());
     }
-    windy.turbulence.speed = velocity.length();
+    windy.turbulence.speed = Some(velocity.length());
     let band = band_of_step(gpu, &windy, &cloud.initial())?;
     let largest = |values: &[DVec3]| farthest(values.iter().map(|v| v.length()), 0.0);
     let row = |test: &str, measured: f64| Row::new(test, 0.0, measured, 0.0, TRANSLATION);
@@ -90,8 +89,9 @@ pub(crate) fn translation(gpu: &Gpu) -> Result<Vec<Row>, Error> {
 }
 
 /// Velocity û of the first band, as a step of this scene has it.
-fn band_of_step(gpu: &Gpu, scene: &Scene, initial: &InitialState) -> Result<Vec<DVec3>, Error> {
-    let setup = Setup::new(scene, initial);
+fn band_of_step(gpu: &Gpu, scene: &impl AsChecked, initial: &InitialState) -> Result<Vec<DVec3>, Error> {
+    let scene = scene.as_checked()?;
+    let setup = Setup::new(&scene, initial);
     let (mut engine, plan) = (Engine::new(gpu, &setup)?, Plan::new(&setup));
     engine.evaluate(|r| {
         step::neighbours::record(r, &plan);
@@ -108,7 +108,7 @@ pub(crate) fn leak(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let cloud = Cloud::lattice([12; 3], SIMPLE).jittered(0.5, 1).moving(|_| DVec3::X);
     let mut rows = Vec::new();
     for (cutoff, expected) in [(3.0, 0.325_27), (4.0, 0.023_28), (4.5, 0.003_96)] {
-        let band = cloud.particles().band_velocity(gpu, LEAK_SCALE, Filter::Direct { cutoff })?;
+        let band = cloud.particles().band_velocity(gpu, LEAK_SCALE, Filter::Direct(DirectFilter { cutoff }))?;
         let leak = mean(band.iter().map(|u| f64::from(u[0])));
         rows.push(Row::new(format!("uniform flow through a cut at {cutoff} s"), expected, leak, 7e-4, LEAK));
     }

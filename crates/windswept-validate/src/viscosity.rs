@@ -146,7 +146,7 @@ fn eddies(gpu: &Gpu) -> Result<Row, Error> {
     let cloud = lattice.moving(|x| DVec3::X * WAVE * (k * x.y).sin());
     let left = |constant: f64| -> Result<f64, Error> {
         let mut scene = air::scene("fluid.solver = \"divergence\"")?;
-        scene.viscosity.smagorinsky = constant;
+        scene.viscosity.smagorinsky = Some(constant);
         let simulation = ran(gpu, &scene, cloud.initial(), 1)?;
         Ok(cloud.of_frame(&simulation.frame()?.air).energy())
     };
@@ -161,6 +161,6 @@ fn eddies(gpu: &Gpu) -> Result<Row, Error> {
 /// Viscosity ν from the decay of the kinetic energy \[m²/s\].
 fn effective_viscosity(gpu: &Gpu, c: f64) -> Result<f64, Error> {
     let mut scene = air::scene("")?;
-    scene.viscosity.air = c;
+    scene.viscosity.air = Some(c);
     SLOW.viscosity(gpu, &scene, MEASURED)
 }

@@ -3,8 +3,8 @@
 use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
-use windswept::{Gpu, ops::Filter};
-use windswept_scene::{Band, Scene};
+use windswept::Gpu;
+use windswept_scene::{Band, DirectFilter, Filter, Scene};
 
 use crate::{
     Error, Row,
@@ -58,7 +58,7 @@ pub(crate) fn lamb_oseen(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let scene = |strength: f64| -> Result<Scene, Error> {
         let mut scene = air::scene("")?;
         scene.turbulence.bands = vec![Band { scale: SCALE * spacing(), strength, intensity: 1.0 }];
-        scene.turbulence.speed = SPEED;
+        scene.turbulence.speed = Some(SPEED);
         Ok(scene)
     };
     let alone = air::run(gpu, &scene(0.0)?, &start, STEPS)?;
@@ -110,6 +110,10 @@ fn circulation(cloud: &Cloud) -> f64 {
 
 /// Energy of a band whose scale is given in spacings: the mean of ½ |û|² \[m²/s²\].
 fn band_energy(gpu: &Gpu, cloud: &Cloud, scale: f64) -> Result<f64, Error> {
-    let band = vectors(&cloud.particles().band_velocity(gpu, scale * spacing(), Filter::Direct { cutoff: 4.5 })?);
+    let band = vectors(&cloud.particles().band_velocity(
+        gpu,
+        scale * spacing(),
+        Filter::Direct(DirectFilter { cutoff: 4.5 }),
+    )?);
     Ok(mean(band.iter().map(|u| 0.5 * u.length_squared())))
 }

@@ -86,7 +86,7 @@ fn measure(
     source: &'static str,
 ) -> Result<Vec<Row>, Error> {
     let initial = InitialState::new(scene)?;
-    let p = Parameters::new(scene, &initial);
+    let p = Parameters::new(&scene.check()?, &initial);
     let mut state = State::new(&initial, p.step);
     fluid::begin(&mut state, &p);
     let steps = 5;

@@ -60,8 +60,7 @@ fn fringe(gpu: &Gpu) -> Result<Row, Error> {
     let mut scene = air::scene("")?;
     let thickness = 2.0 * RADIUS;
     if let Some(air) = &mut scene.air {
-        air.wind = WIND.to_array();
-        air.fringe = thickness;
+        (air.wind, air.fringe) = (Some(WIND.to_array()), Some(thickness));
     }
     let cloud = Cloud::random(10, 2).moving(|x| DVec3::new(1.5 + 20.0 * x.x, -30.0 * x.y, 0.1));
     let mut runner = Runner::new(gpu, &scene, &cloud.initial())?;

@@ -12,7 +12,7 @@
 
 use glam::DVec3;
 use windswept_scene::{
-    Air, AirParticles, Band, Fluid, InitialState, Scene, SceneError, Turbulence,
+    Air, AirParticles, Band, DirectFilter, Filter, GridFilter, InitialState, Scene, SceneError, SceneValues,
     limits::{
         COARSEST_SPACING, LARGEST, MAGNITUDES, MAX_PARTICLES_OF_AN_OPERATION, MAX_REPEATS, MIN_KERNEL_RADIUS, SMALLEST,
     },
@@ -57,54 +57,6 @@ pub struct Particles<'a> {
     pub radius: f64,
     /// Sides of the periodic box, which starts at 0 \[m\]; positions are wrapped into it.
     pub bounds: Option<[f64; 3]>,
-}
-
-/// Way in which a band velocity is found.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Filter {
-    /// A grid: 0.1 to 0.7 % off the whole sum at the default, at a cost that falls as the scale grows.
-    Grid {
-        /// Largest distance between nodes, in scales, up to 1; it is never more than a kernel radius.
-        spacing: f64,
-    },
-    /// The sum over all pairs nearer than the cut: one at 3 scales passes a third of the mean flow, one at 4.5 scales
-    /// 0.4 %.
-    Direct {
-        /// Distance of the cut, in scales.
-        cutoff: f64,
-    },
-}
-
-impl Default for Filter {
-    /// The grid, as in a scene that leaves the keys out.
-    fn default() -> Self {
-        Self::Grid { spacing: Turbulence::SPACING }
-    }
-}
-
-impl Filter {
-    /// The filter of a scene.
-    #[must_use]
-    pub fn of(turbulence: &Turbulence) -> Self {
-        match turbulence.filter {
-            windswept_scene::Filter::Grid => Self::Grid { spacing: turbulence.spacing },
-            windswept_scene::Filter::Direct => Self::Direct { cutoff: turbulence.cutoff },
-        }
-    }
-
-    /// Makes this the filter of a scene.
-    pub fn set(self, turbulence: &mut Turbulence) {
-        match self {
-            Self::Grid { spacing } => {
-                turbulence.filter = windswept_scene::Filter::Grid;
-                turbulence.spacing = spacing;
-            }
-            Self::Direct { cutoff } => {
-                turbulence.filter = windswept_scene::Filter::Direct;
-                turbulence.cutoff = cutoff;
-            }
-        }
-    }
 }
 
 /// Neighbours nearer than the kernel radius, as a compressed sparse row matrix.
@@ -199,19 +151,19 @@ impl<'a> Particles<'a> {
         self.check_velocities()?;
         positive("scale", scale)?;
         let cutoff = match filter {
-            Filter::Grid { spacing, .. } if !(MAGNITUDES.contains(&spacing) && spacing <= COARSEST_SPACING) => {
+            Filter::Grid(GridFilter { spacing }) if !(MAGNITUDES.contains(&spacing) && spacing <= COARSEST_SPACING) => {
                 let words = format!("expected a number above 0, at most {COARSEST_SPACING}, found {spacing}");
                 return Err(argument("spacing", words));
             }
             // Images at that distance add less than rounding.
-            Filter::Grid { .. } => Turbulence::CUTOFF,
-            Filter::Direct { cutoff } => cutoff,
+            Filter::Grid(_) => DirectFilter::default().cutoff,
+            Filter::Direct(DirectFilter { cutoff }) => cutoff,
         };
         positive("cutoff", cutoff)?;
         let band = Band { scale, strength: 1.0, intensity: 1.0 };
-        let prepare = |scene: &mut Scene| {
+        let prepare = |scene: &mut SceneValues| {
             scene.turbulence.bands = vec![band];
-            filter.set(&mut scene.turbulence);
+            scene.turbulence.filter = filter;
         };
         let runner = self.runner(gpu, self.radius.max(scale * cutoff), prepare);
         let Some(mut runner) = runner.map_err(|error| too_fine(scale, error))? else { return Ok(Vec::new()) };
@@ -246,7 +198,7 @@ impl<'a> Particles<'a> {
         if coefficient != 0.0 {
             positive("coefficient", coefficient)?;
         }
-        let prepare = |scene: &mut Scene| scene.viscosity.air = coefficient;
+        let prepare = |scene: &mut SceneValues| scene.viscosity.air = coefficient;
         let Some(mut runner) = self.runner(gpu, self.radius, prepare)? else { return Ok(Vec::new()) };
         if coefficient == 0.0 {
             return Ok(self.velocities.iter().map(|v| v.map(|x| x as f32)).collect());
@@ -259,17 +211,17 @@ impl<'a> Particles<'a> {
         runner.read_vectors(|s| &s.viscous_velocity)
     }
 
-    /// Positions after `fluid.iterations` Jacobi iterations of ρ = ρ0 (eq. 1), at most [`MAX_REPEATS`], neighbours
-    /// searched once \[m\]. Uses `mass`, `rest_density`, `radius`.
+    /// Positions after so many Jacobi iterations of ρ = ρ0 (eq. 1), at most [`MAX_REPEATS`], each of which goes the part
+    /// `relaxation` of its way; neighbours are searched once \[m\]. Uses `mass`, `rest_density`, `radius`.
     ///
     /// # Errors
     /// [`OpsError`] names the argument that is wrong, or has what the device refused.
-    pub fn solve_density(&self, gpu: &Gpu, fluid: Fluid) -> Result<Vec<[f32; 3]>, OpsError> {
-        if fluid.iterations > MAX_REPEATS {
-            let words = format!("expected a whole number from 0 to {MAX_REPEATS}, found {}", fluid.iterations);
+    pub fn solve_density(&self, gpu: &Gpu, iterations: u32, relaxation: f64) -> Result<Vec<[f32; 3]>, OpsError> {
+        if iterations > MAX_REPEATS {
+            let words = format!("expected a whole number from 0 to {MAX_REPEATS}, found {iterations}");
             return Err(argument("iterations", words));
         }
-        positive("relaxation", fluid.relaxation)?;
+        positive("relaxation", relaxation)?;
         if self.radius < MIN_KERNEL_RADIUS * self.spacing() {
             let words = format!(
                 "expected at least {MIN_KERNEL_RADIUS} particle spacings, {} m",
@@ -277,9 +229,9 @@ impl<'a> Particles<'a> {
             );
             return Err(argument("radius", format!("{words}; found {}", self.radius)));
         }
-        let Some(mut runner) = self.runner(gpu, self.radius, |scene| scene.fluid = fluid)? else {
-            return Ok(Vec::new());
-        };
+        let prepare =
+            |scene: &mut SceneValues| (scene.fluid.iterations, scene.fluid.relaxation) = (iterations, relaxation);
+        let Some(mut runner) = self.runner(gpu, self.radius, prepare)? else { return Ok(Vec::new()) };
         runner.evaluate(|r, plan| {
             step::neighbours::record(r, plan);
             step::fluid::record(r, plan);
@@ -352,18 +304,24 @@ impl<'a> Particles<'a> {
 
     /// The particles as the air of a still scene, on the device; `None` if there are none. In free space the box keeps
     /// particles `reach` away from their images.
-    fn runner(&self, gpu: &Gpu, reach: f64, prepare: impl FnOnce(&mut Scene)) -> Result<Option<Runner>, OpsError> {
+    fn runner(
+        &self,
+        gpu: &Gpu,
+        reach: f64,
+        prepare: impl FnOnce(&mut SceneValues),
+    ) -> Result<Option<Runner>, OpsError> {
         self.check()?;
         if self.positions.is_empty() {
             return Ok(None);
         }
-        let mut scene = Scene::parse(BASE)?;
-        if let Some(air) = &mut scene.air {
-            air.kernel_radius = self.radius;
-            air.rest_density = self.rest_density;
-            air.particle_mass = self.mass;
-        }
-        prepare(&mut scene);
+        let scene = Scene::parse(BASE)?.check()?.assuming(|_, scene| {
+            if let Some(air) = &mut scene.air {
+                air.kernel_radius = self.radius;
+                air.rest_density = self.rest_density;
+                air.particle_mass = self.mass;
+            }
+            prepare(scene);
+        });
         let positions: Vec<DVec3> = self.positions.iter().map(|x| self.wrapped(DVec3::from_array(*x))).collect();
         let low = positions.iter().copied().fold(DVec3::INFINITY, DVec3::min);
         let high = positions.iter().copied().fold(DVec3::NEG_INFINITY, DVec3::max);

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use windswept_scene::{InitialState, Scene, SceneError};
+use windswept_scene::{CheckedScene, InitialState, SceneError};
 use windswept_shaders::{Binding, Operations};
 
 use crate::{
@@ -115,7 +115,7 @@ pub struct MemoryBytes {
 ///
 /// # Errors
 /// [`SceneError`] when the arrays of the initial state do not belong together.
-pub fn memory_bytes(scene: &Scene, initial: &InitialState) -> Result<MemoryBytes, SceneError> {
+pub fn memory_bytes(scene: &CheckedScene, initial: &InitialState) -> Result<MemoryBytes, SceneError> {
     initial.check()?;
     let setup = Setup::new(scene, initial);
     let (arrays, aliasing, textures) = first_memory(&setup);
@@ -130,7 +130,7 @@ pub fn memory_bytes(scene: &Scene, initial: &InitialState) -> Result<MemoryBytes
 ///
 /// # Errors
 /// [`SceneError`] when the initial state cannot be made.
-pub fn table(scene: &Scene) -> Result<Vec<PlanRow>, SceneError> {
+pub fn table(scene: &CheckedScene) -> Result<Vec<PlanRow>, SceneError> {
     let initial = InitialState::new(scene)?;
     let setup = Setup::new(scene, &initial);
     let (plan, state) = (Plan::new(&setup), State::new(&first_sizes(u64::MAX, &setup)));
@@ -190,7 +190,7 @@ fn uses(command: &Command) -> Uses {
 ///
 /// # Errors
 /// [`SceneError`] when the initial state cannot be made.
-pub fn buffers(scene: &Scene) -> Result<Vec<BufferRow>, SceneError> {
+pub fn buffers(scene: &CheckedScene) -> Result<Vec<BufferRow>, SceneError> {
     let initial = InitialState::new(scene)?;
     let (arrays, aliasing, textures) = first_memory(&Setup::new(scene, &initial));
     let largest = aliasing.largest(&arrays);

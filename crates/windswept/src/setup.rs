@@ -1,6 +1,6 @@
 //! Values derived once from a scene and its initial state: uniforms, tables, and numbers of everything.
 
-use windswept_scene::{Counts, Filter, FluidSolver, Groom, InitialState, Scene};
+use windswept_scene::{CheckedScene, Counts, FluidSolver, Groom, InitialState};
 use windswept_shaders::{
     common::{inflow::Wave, list::PAGES, mesh::Mesh, params::Params},
     fluid::divergence::Iteration,
@@ -19,7 +19,7 @@ use crate::{
 #[derive(Debug)]
 pub struct Setup<'a> {
     /// The scene.
-    pub scene: &'a Scene,
+    pub scene: &'a CheckedScene,
     /// The initial state.
     pub initial: &'a InitialState,
     /// The uniform of the scene itself; the neighbour list has no room yet.
@@ -41,12 +41,12 @@ impl<'a> Setup<'a> {
     /// The setup of a scene.
     #[must_use]
     #[allow(clippy::cast_possible_truncation)]
-    pub fn new(scene: &'a Scene, initial: &'a InitialState) -> Self {
+    pub fn new(scene: &'a CheckedScene, initial: &'a InitialState) -> Self {
         let params = params::uniform(scene, initial);
         let bands = Bands::new(scene, initial, &params);
         let meshes = Meshes::new(scene, initial);
         let divergence = has_pressure(scene, params.particles - params.hair_points);
-        let iterations = if divergence { pressure::iterations(scene.pressure_iterations()) } else { Vec::new() };
+        let iterations = if divergence { pressure::iterations(scene.fluid.pressure_iterations) } else { Vec::new() };
         let on_coarse_grid = divergence && scene.has_coarse_grid();
         let coarse = on_coarse_grid.then(|| Coarse::new(initial, meshes.uniforms.len()));
         let motions = Motions::new(scene);
@@ -54,7 +54,7 @@ impl<'a> Setup<'a> {
         let waves = winds::waves(scene, initial);
         let fields = Fields::new(scene, initial);
         let nodes = meshes.nodes.min(u32::MAX.into()) as u32;
-        let direct = scene.turbulence.filter == Filter::Direct && !bands.tasks.is_empty();
+        let direct = !scene.turbulence.filter.is_grid() && !bands.tasks.is_empty();
         let sort = Sort::new(&params);
         let grids = || meshes.grids.iter().map(|grid| Sort::new(&params::with_cells(&params, *grid)));
         let sorts = || std::iter::once(sort).chain(grids());
@@ -114,12 +114,12 @@ impl<'a> Setup<'a> {
 }
 
 /// Whether the velocity of so many air particles is freed of divergence by a pressure.
-fn has_pressure(scene: &Scene, air: u32) -> bool {
+fn has_pressure(scene: &CheckedScene, air: u32) -> bool {
     scene.fluid.solver == FluidSolver::Divergence && scene.air.is_some() && air > 0
 }
 
 /// Sizes of what a scene starts with at least, before its arrays are made: none is larger than that of its setup.
-pub(crate) fn least_sizes(scene: &Scene, groom: Option<&Groom>) -> Sizes {
+pub(crate) fn least_sizes(scene: &CheckedScene, groom: Option<&Groom>) -> Sizes {
     let Counts { strands, hair_points, air } = scene.counts(groom);
     // Saturates: a scene made in code is not checked, and memory for so many is refused.
     let size = |count: u64| count.min(u32::MAX.into()) as u32;

@@ -13,7 +13,7 @@ mod trace;
 use std::{sync::OnceLock, time::Instant};
 
 use glam::{DQuat, DVec3};
-use windswept_scene::{Groom, InitialState, Scene};
+use windswept_scene::{AsChecked, CheckedScene, Groom, InitialState};
 use windswept_shaders::common::status::{NON_FINITE_AIR, Status, TOO_MANY_FAILED_STRANDS, UNRECOVERED_STRAND};
 
 pub use checkpoint::Checkpoint;
@@ -44,8 +44,8 @@ const TIMED_BATCHES: u64 = 8;
 #[derive(Debug)]
 pub struct Simulation {
     /// The scene as it was given: without a wind that was set.
-    given: Scene,
-    scene: Scene,
+    given: CheckedScene,
+    scene: CheckedScene,
     initial: InitialState,
     plan: Plan,
     engine: Engine,
@@ -114,7 +114,8 @@ impl Simulation {
     /// # Errors
     /// [`Error::Scene`] when the scene's initial state cannot be made, [`Error::Gpu`] when it does not fit the adapter:
     /// before it is made, where the scene's numbers of strands, points and particles say so.
-    pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self, Error> {
+    pub fn new(gpu: &Gpu, scene: &impl AsChecked) -> Result<Self, Error> {
+        let scene = &*scene.as_checked()?;
         check_room(gpu, scene, None)?;
         let initial = InitialState::new(scene)?;
         Self::started(gpu, scene, initial, Origin::Validated)
@@ -124,10 +125,19 @@ impl Simulation {
     ///
     /// # Errors
     /// [`Error::Scene`] names what the groom got wrong, [`Error::Gpu`] when it does not fit the adapter.
-    pub fn with_groom(gpu: &Gpu, scene: &Scene, groom: &Groom) -> Result<Self, Error> {
+    pub fn with_groom(gpu: &Gpu, scene: &impl AsChecked, groom: &Groom) -> Result<Self, Error> {
+        let scene = &*scene.as_checked()?;
         check_room(gpu, scene, Some(groom))?;
         let initial = InitialState::with_groom(scene, groom)?;
-        Self::started(gpu, &Scene { hair: Vec::new(), ..scene.clone() }, initial, Origin::Validated)
+        Self::started(
+            gpu,
+            &scene.assuming(|scene, values| {
+                scene.hair.clear();
+                values.hair.clear();
+            }),
+            initial,
+            Origin::Validated,
+        )
     }
 
     /// A simulation that starts from the caller's own arrays; the scene's `[hair]` and lattice are not looked at. Hair
@@ -136,12 +146,12 @@ impl Simulation {
     ///
     /// # Errors
     /// [`Error::Scene`] when the arrays do not belong together, [`Error::Gpu`] when they do not fit the adapter.
-    pub fn with_state(gpu: &Gpu, scene: &Scene, initial: InitialState) -> Result<Self, Error> {
-        Self::started(gpu, scene, initial, Origin::Untrusted)
+    pub fn with_state(gpu: &Gpu, scene: &impl AsChecked, initial: InitialState) -> Result<Self, Error> {
+        Self::started(gpu, &*scene.as_checked()?, initial, Origin::Untrusted)
     }
 
     /// A simulation whose air beside bodies has the velocity that it starts with.
-    fn started(gpu: &Gpu, scene: &Scene, initial: InitialState, origin: Origin) -> Result<Self, Error> {
+    fn started(gpu: &Gpu, scene: &CheckedScene, initial: InitialState, origin: Origin) -> Result<Self, Error> {
         let mut simulation = Self::build(gpu, scene, initial, origin)?;
         if simulation.plan.conditions.walls.runs {
             let plan = &simulation.plan;
@@ -154,7 +164,7 @@ impl Simulation {
         Ok(simulation)
     }
 
-    fn build(gpu: &Gpu, scene: &Scene, mut initial: InitialState, origin: Origin) -> Result<Self, Error> {
+    fn build(gpu: &Gpu, scene: &CheckedScene, mut initial: InitialState, origin: Origin) -> Result<Self, Error> {
         let began = Instant::now();
         initial.check()?;
         initial.warnings.extend(initial.hair.add_air_mass(scene));
@@ -383,7 +393,7 @@ impl Simulation {
 
     /// The scene, with the wind that was set last.
     #[must_use]
-    pub fn scene(&self) -> &Scene {
+    pub fn scene(&self) -> &CheckedScene {
         &self.scene
     }
 

@@ -198,6 +198,7 @@ fn draw(hair: &mut Strands, s: usize, rng: &mut Pcg64, slower: f64) {
 fn with_cases(n: usize, keys: &str, step: f64) -> (Fixture, Reference, Vec<DVec3>) {
     let (mut scene, mut initial) = strands(n, keys);
     scene.time.step = step;
+    let scene = scene.check().unwrap();
     let mut rng = Pcg64::seed_from_u64(n as u64 + 40);
     for s in 0..n {
         draw(&mut initial.hair, s, &mut rng, 1.38e-3 / step);

@@ -31,7 +31,7 @@ fn strands_sleep_wake_and_are_reset_as_the_reference_s() {
     let left = Keyframe { time: 25.5 * 8e-3, translation: [0.0, -0.3, 0.0], ..leave };
     scene.bodies.push(windswept_scene::Body {
         name: "body".into(),
-        shape: Shape::Sphere { center: [tip[0], tip[1] + 0.15, tip[2]], radius: 0.02 },
+        shape: Shape::sphere([tip[0], tip[1] + 0.15, tip[2]], 0.02),
         friction: 0.4,
         motion: Motion { keyframes: vec![leave, left] },
     });

@@ -66,7 +66,7 @@ fn rods_are_those_of_the_reference() {
             ("solver = \"gauss-seidel\", integrator = \"euler\"", 2.0, 20.0, false, FREE),
         ] {
             let (scene, mut initial) = strands(n, keys);
-            if scene.rods.solver == Solver::Direct {
+            if scene.check().unwrap().rods.solver == Solver::Direct {
                 ends(&mut initial.hair, tips);
             }
             motion(&mut initial.hair, speed, spin, n as u64);
@@ -183,7 +183,7 @@ fn the_potential_falls_in_each_step() {
     for sets in [DRAG, NEWTON, GALE] {
         let scene = small(&[sets, &["rods.newton=8", "rods.sleep=false"]].concat());
         let initial = InitialState::new(&scene).unwrap();
-        let p = Parameters::new(&scene, &initial);
+        let p = Parameters::new(&scene.check().unwrap(), &initial);
         let (mut state, mut solves) = (Reference::new(&initial, p.step), 0);
         for step in 0..150 {
             let mut s = state.clone();

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use clap::{Args, ValueEnum};
 use windswept_export::{CHECKPOINT, DEFAULT_FORMATS, Format, files_of_run};
-use windswept_scene::Scene;
+use windswept_scene::CheckedScene;
 
 use super::Changes;
 use super::numbers::{every, whole};
@@ -112,7 +112,7 @@ impl RunOptions {
     }
 
     /// The scene with its `--set`s, checked.
-    pub(crate) fn load(&self, path: &Path) -> Result<Scene, Failure> {
+    pub(crate) fn load(&self, path: &Path) -> Result<CheckedScene, Failure> {
         self.changes.load(path)
     }
 

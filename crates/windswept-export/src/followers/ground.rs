@@ -3,28 +3,25 @@
 use std::f32::consts::TAU;
 
 use glam::{DVec3, Quat, Vec3};
-use windswept_scene::{Patch, RootShape, Roots, Scene, Shape};
+use windswept_scene::{CheckedScene, CheckedShape, RootPatch, RootShape, Roots};
 
 use super::chance;
 
 /// Surface that the strands of a group are rooted on, where it is known.
-pub(super) enum Ground<'a> {
+pub(super) enum Ground {
     Unknown,
-    Patch(&'a Patch),
+    Patch(RootPatch),
     /// A body where it is at the start.
-    Body(Shape),
+    Body(CheckedShape),
 }
 
-impl<'a> Ground<'a> {
-    pub(super) fn new(scene: &Scene, roots: Option<&'a Roots>) -> Self {
-        match roots {
-            Some(Roots::Patch(patch)) => Self::Patch(patch),
-            Some(Roots::Mesh(scalp)) => {
-                let body = scene.bodies.iter().find(|body| body.name == scalp.body);
-                body.map_or(Self::Unknown, |body| Self::Body(body.at(0.0)))
-            }
-            None => Self::Unknown,
+impl Ground {
+    pub(super) fn new(scene: &CheckedScene, roots: Option<&Roots>) -> Self {
+        if let Some(Roots::Mesh(scalp)) = roots {
+            let body = scene.bodies.iter().find(|body| body.name == scalp.body);
+            return body.map_or(Self::Unknown, |body| Self::Body(body.at(0.0)));
         }
+        roots.and_then(Roots::patch).map_or(Self::Unknown, Self::Patch)
     }
 
     /// The root of a hair of a strand, `seat` away in the strand's cross-section: beside it on what that is rooted on.
@@ -46,7 +43,7 @@ impl<'a> Ground<'a> {
 }
 
 /// The place on a patch that is `seat` away from a root there.
-fn beside(roots: &Patch, root: Vec3, frame: Quat, seat: Vec3) -> Vec3 {
+fn beside(roots: &RootPatch, root: Vec3, frame: Quat, seat: Vec3) -> Vec3 {
     let across = root + frame * seat;
     let [center, normal] = [roots.center, roots.normal].map(|v| Vec3::from_array(v.map(|x| x as f32)));
     let radius = roots.radius as f32;
@@ -56,7 +53,7 @@ fn beside(roots: &Patch, root: Vec3, frame: Quat, seat: Vec3) -> Vec3 {
             let x = root - center + Quat::from_rotation_arc(frame * Vec3::Z, normal) * frame * seat;
             center + within(x.length(), radius) * x.normalize_or_zero()
         }
-        RootShape::SphereCap => center + radius * (across - center).normalize_or(normal),
+        RootShape::Cap => center + radius * (across - center).normalize_or(normal),
         RootShape::Line => {
             let level = Vec3::Y.cross(normal);
             let along = if level.length() > 1e-6 { level.normalize() } else { Vec3::X };

@@ -7,7 +7,7 @@
 //! what comes before the first point inside.
 
 use glam::{DVec3, Vec3};
-use windswept_scene::{Body, Shape};
+use windswept_scene::{CheckedBody, CheckedShape};
 
 /// Depth at which a point still counts as one of the surface \[m\]: a quarter of a hair's radius.
 const DEPTH: f64 = 1e-5;
@@ -21,12 +21,12 @@ const CERTAIN: f64 = 0.5;
 
 /// Bodies at one time.
 pub(super) struct Bodies {
-    shapes: Vec<Shape>,
+    shapes: Vec<CheckedShape>,
 }
 
 impl Bodies {
     /// The bodies where they are at `time` \[s\].
-    pub(super) fn at(bodies: &[Body], time: f64) -> Self {
+    pub(super) fn at(bodies: &[CheckedBody], time: f64) -> Self {
         Self { shapes: bodies.iter().map(|body| body.at(time)).collect() }
     }
 

@@ -1,4 +1,4 @@
-use windswept_scene::{Motion, Shape, Solid};
+use windswept_scene::{CheckedShape, Motion, Scene, Solid};
 
 use super::*;
 
@@ -30,7 +30,7 @@ fn followers_are_rooted_on_the_shape() {
             {curl}
             roots = {{ shape = \"{shape}\", center = [0.1, 0.2, 0.3], radius = 0.02, direction = [1, -0.3, 0]{lean} }}"
         );
-        let scene = Scene::parse(&text).unwrap_or_else(|error| panic!("{error}"));
+        let scene = Scene::parse(&text).and_then(|scene| scene.check()).unwrap_or_else(|error| panic!("{error}"));
         let start = windswept_scene::InitialState::new(&scene).unwrap_or_else(|error| panic!("{error}")).hair;
         let frame = HairFrame {
             offsets: start.point_offsets.clone(),
@@ -74,7 +74,7 @@ fn a_rigid_motion_moves_followers_rigidly() {
         ..HairFrame::default()
     };
     let text = "time = { step = 1e-3, duration = 1 }\ninteraction.model = \"none\"";
-    let scene = Scene::parse(text).unwrap_or_else(|error| panic!("{error}"));
+    let scene = Scene::parse(text).and_then(|scene| scene.check()).unwrap_or_else(|error| panic!("{error}"));
     let followers = Followers::new(&scene, &start).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(followers.len(), 120);
     let (turn, shift) = (Quat::from_rotation_y(0.8) * Quat::from_rotation_x(-0.3), Vec3::new(0.1, -0.2, 0.3));
@@ -132,7 +132,7 @@ fn followers_keep_the_lengths_of_their_segments() {
         }
     };
     let text = "time = { step = 1e-3, duration = 1 }\ninteraction.model = \"none\"";
-    let scene = Scene::parse(text).unwrap_or_else(|error| panic!("{error}"));
+    let scene = Scene::parse(text).and_then(|scene| scene.check()).unwrap_or_else(|error| panic!("{error}"));
     let followers = Followers::new(&scene, &at(0.0)).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(followers.len(), 60);
     let of = |time: f32| followers.of(&at(time), 0.0).unwrap_or_else(|error| panic!("{error}"));
@@ -184,7 +184,7 @@ fn a_files_hairs_come_first() {
         "time = {{ step = 1e-3, duration = 1 }}\ninteraction.model = \"none\"\n[hair]\nfile = {:?}\nstrands = 7",
         path.display().to_string()
     );
-    let scene = Scene::parse(&text).unwrap_or_else(|error| panic!("{error}"));
+    let scene = Scene::parse(&text).and_then(|scene| scene.check()).unwrap_or_else(|error| panic!("{error}"));
     let start = windswept_scene::InitialState::new(&scene).unwrap_or_else(|error| panic!("{error}")).hair;
     let frame = HairFrame {
         offsets: start.point_offsets.clone(),
@@ -213,13 +213,15 @@ fn a_files_hairs_come_first() {
 /// A hair that leads through bodies is laid around them with its segments' lengths, and no other hair moves.
 #[test]
 fn hairs_are_kept_out_of_bodies() {
-    let body = |shape: Shape| Body { name: String::new(), shape, friction: 0.0, motion: Motion::default() };
-    let ball = Shape::Sphere { center: [0.0, -0.02, 0.002], radius: 0.01 };
-    let mesh =
-        Shape::Mesh(Solid::enclosed(ball.surface(64, 128), Some(5e-4)).unwrap_or_else(|error| panic!("{error}")));
-    let capsule = Shape::Capsule { start: [-0.02, -0.02, 0.002], end: [0.02, -0.02, 0.003], radius: 0.01 };
+    let body =
+        |shape: CheckedShape| CheckedBody { name: String::new(), shape, friction: 0.0, motion: Motion::default() };
+    let ball = CheckedShape::sphere([0.0, -0.02, 0.002], 0.01);
+    let mesh = CheckedShape::Mesh(
+        Solid::enclosed(ball.surface(64, 128), Some(5e-4)).unwrap_or_else(|error| panic!("{error}")),
+    );
+    let capsule = CheckedShape::capsule([-0.02, -0.02, 0.002], [0.02, -0.02, 0.003], 0.01);
     // The lower half of the hair is in a wedge between two balls.
-    let wedge = [-1.0, 1.0].map(|side| Shape::Sphere { center: [0.0, -0.035, side * 0.0095], radius: 0.01 });
+    let wedge = [-1.0, 1.0].map(|side| CheckedShape::sphere([0.0, -0.035, side * 0.0095], 0.01));
     for shapes in [vec![ball], vec![mesh], vec![capsule], wedge.to_vec()] {
         let bodies = Bodies::at(&shapes.iter().cloned().map(body).collect::<Vec<_>>(), 0.0);
         let distance = |x: [f32; 3]| {
@@ -253,7 +255,7 @@ fn followers_stay_out_of_a_body_that_moves() {
     let text = "time = { step = 1e-3, duration = 1 }\ninteraction.model = \"none\"
         [[body]]\ncenter = [0.01, -0.03, 0]\nradius = 0.008
         motion = [{ time = 0, translation = [0, 0.5, 0] }, { time = 1 }]";
-    let scene = Scene::parse(text).unwrap_or_else(|error| panic!("{error}"));
+    let scene = Scene::parse(text).and_then(|scene| scene.check()).unwrap_or_else(|error| panic!("{error}"));
     let strand = |x: f32| (0..20).map(move |k| [x, -0.003 * k as f32, 0.0]);
     let hair = HairFrame {
         offsets: vec![0, 20, 40],

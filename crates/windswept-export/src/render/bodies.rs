@@ -1,6 +1,6 @@
 //! The scene's bodies as they stand in a frame.
 
-use windswept_scene::{Scene, Shape};
+use windswept_scene::{CheckedScene, CheckedShape};
 
 use super::patch::{Corner, SIDES};
 
@@ -10,7 +10,7 @@ const OUTLINE: u32 = 48;
 const SUNK: f64 = 0.01;
 
 /// Triangles of the scene's bodies, by the indices of their [`corners`].
-pub(super) fn triangles(scene: &Scene) -> Vec<u32> {
+pub(super) fn triangles(scene: &CheckedScene) -> Vec<u32> {
     let mut all = Vec::new();
     let mut first = 0;
     for surface in scene.bodies.iter().map(|body| body.shape.surface(OUTLINE, SIDES)) {
@@ -21,11 +21,11 @@ pub(super) fn triangles(scene: &Scene) -> Vec<u32> {
 }
 
 /// Corners of the scene's bodies at `time` \[s\], one body after the other.
-pub(super) fn corners(scene: &Scene, time: f64) -> Vec<Corner> {
+pub(super) fn corners(scene: &CheckedScene, time: f64) -> Vec<Corner> {
     scene.bodies.iter().flat_map(|body| corners_of(&body.at(time))).collect()
 }
 
-fn corners_of(body: &Shape) -> impl Iterator<Item = Corner> + use<> {
+fn corners_of(body: &CheckedShape) -> impl Iterator<Item = Corner> + use<> {
     let depth = SUNK * body.inradius();
     body.skin(OUTLINE, SIDES).into_iter().map(move |(x, normal)| Corner {
         position: (x - depth * normal).as_vec3().to_array(),

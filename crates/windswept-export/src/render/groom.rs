@@ -2,7 +2,7 @@
 
 use glam::Quat;
 use windswept::HairFrame;
-use windswept_scene::{Curves, Scene};
+use windswept_scene::{CheckedScene, Curves};
 use windswept_shaders::pictures::grow::Hair;
 
 use crate::error::ExportError;
@@ -33,7 +33,7 @@ impl Groom {
     /// # Errors
     /// [`ExportError::Picture`] as [`Followers::new`].
     pub(super) fn new(
-        scene: &Scene,
+        scene: &CheckedScene,
         start: &HairFrame,
         groom: Option<&Curves>,
         hairs: u32,
@@ -69,7 +69,7 @@ impl Groom {
 }
 
 /// Radius of the hairs of a group as drawn \[m\], with this many hairs per strand.
-fn drawn_radius(scene: &Scene, group: usize, per_strand: usize) -> f32 {
+fn drawn_radius(scene: &CheckedScene, group: usize, per_strand: usize) -> f32 {
     let hair = &scene.hair[group];
     let radius = hair.fibre.radius as f32;
     let spread = hair.drawn().and_then(|drawn| Some((drawn.strands as usize, scene.spread_of_roots(&drawn.roots)?)));

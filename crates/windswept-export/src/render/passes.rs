@@ -3,7 +3,7 @@
 use glam::Quat;
 use windswept::gpu::wgpu::{self, BufferUsages};
 use windswept::{Frame, Gpu, GpuError, HairFrame};
-use windswept_scene::Scene;
+use windswept_scene::CheckedScene;
 use windswept_shaders::{
     common::dispatch::WORKGROUP,
     pictures::{
@@ -61,7 +61,7 @@ pub(super) struct Air {
 impl Passes {
     pub(super) fn new(
         gpu: &Gpu,
-        scene: &Scene,
+        scene: &CheckedScene,
         start: &HairFrame,
         groom: &Groom,
         samples: u32,
@@ -72,7 +72,7 @@ impl Passes {
         )
     }
 
-    fn make(m: &Maker<'_>, scene: &Scene, start: &HairFrame, groom: &Groom, samples: u32) -> Self {
+    fn make(m: &Maker<'_>, scene: &CheckedScene, start: &HairFrame, groom: &Groom, samples: u32) -> Self {
         let hairs = groom.hairs.len() as u32;
         let all = u64::from(hairs) * u64::from(samples);
         let strand_points = start.positions.len() as u64;
@@ -129,7 +129,7 @@ impl Passes {
         &self,
         gpu: &Gpu,
         view: &View,
-        scene: &Scene,
+        scene: &CheckedScene,
         shot: &Frame,
         followers: &HairFrame,
     ) -> Result<(), GpuError> {

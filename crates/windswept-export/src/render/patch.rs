@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use bytemuck::{Pod, Zeroable};
 use glam::{DMat3, DVec3};
-use windswept_scene::{Hair, Patch, RootShape, Roots, Scene};
+use windswept_scene::{CheckedScene, Hair, RootPatch, RootShape};
 
 /// Sides of a solid of revolution: points around its axis.
 pub(super) const SIDES: u32 = 96;
@@ -20,11 +20,11 @@ pub(super) struct Corner {
 }
 
 /// Corners of the patch of every group that is drawn at `time` \[s\], group by group.
-pub(super) fn corners(scene: &Scene, time: f64) -> Vec<Corner> {
-    let of_group = |(hair, patch): (&Hair, &Patch)| {
+pub(super) fn corners(scene: &CheckedScene, time: f64) -> Vec<Corner> {
+    let of_group = |(hair, patch): (&Hair, RootPatch)| {
         let (motion, center) = (hair.motion.clone(), hair.center());
         let (_, turn) = motion.at(time);
-        corners_of(patch).map(move |(position, normal)| {
+        corners_of(&patch).map(move |(position, normal)| {
             let position = motion.place(center, position, time);
             Corner { position: position.as_vec3().to_array(), normal: (turn * normal).as_vec3().to_array() }
         })
@@ -33,15 +33,12 @@ pub(super) fn corners(scene: &Scene, time: f64) -> Vec<Corner> {
 }
 
 /// Groups whose roots are on a patch: what a groom file grows from is not known, and bodies are drawn anyway.
-pub(super) fn patches(scene: &Scene) -> impl Iterator<Item = (&Hair, &Patch)> {
-    scene.hair.iter().filter_map(|hair| match &hair.drawn()?.roots {
-        Roots::Patch(patch) => Some((hair, patch)),
-        Roots::Mesh(_) => None,
-    })
+pub(super) fn patches(scene: &CheckedScene) -> impl Iterator<Item = (&Hair, RootPatch)> {
+    scene.hair.iter().filter_map(|hair| Some((hair, hair.drawn()?.roots.patch()?)))
 }
 
 /// Triangles of every group's patch.
-pub(super) fn triangles(scene: &Scene) -> Vec<u32> {
+pub(super) fn triangles(scene: &CheckedScene) -> Vec<u32> {
     grid_triangles(patches(scene).count(), OUTLINE, SIDES)
 }
 
@@ -61,7 +58,7 @@ fn grid_triangles(solids: usize, outline: u32, sides: u32) -> Vec<u32> {
 }
 
 /// Positions \[m\] and normals, unmoved.
-fn corners_of(roots: &Patch) -> impl Iterator<Item = (DVec3, DVec3)> + use<> {
+fn corners_of(roots: &RootPatch) -> impl Iterator<Item = (DVec3, DVec3)> + use<> {
     let (center, radius, shape) = (DVec3::from_array(roots.center), roots.radius, roots.shape);
     let basis = basis(roots);
     let axis = basis.z_axis;
@@ -78,7 +75,7 @@ fn corners_of(roots: &Patch) -> impl Iterator<Item = (DVec3, DVec3)> + use<> {
 }
 
 /// The ends of the patch: its front, its widest ring and its back \[m\].
-pub(super) fn ends(roots: &Patch) -> impl Iterator<Item = DVec3> {
+pub(super) fn ends(roots: &RootPatch) -> impl Iterator<Item = DVec3> {
     let (center, radius, shape) = (DVec3::from_array(roots.center), roots.radius, roots.shape);
     let basis = basis(roots);
     let ring = move |t: f64| (0..12).map(move |k| center + basis * solid(shape, t, TAU * f64::from(k) / 12.0, radius));
@@ -86,7 +83,7 @@ pub(super) fn ends(roots: &Patch) -> impl Iterator<Item = DVec3> {
 }
 
 /// The patch's own axes: along a line of roots, level where it can be, the other way across, and out of the roots.
-fn basis(roots: &Patch) -> DMat3 {
+fn basis(roots: &RootPatch) -> DMat3 {
     let axis = DVec3::from_array(roots.normal);
     let level = DVec3::Y.cross(axis);
     let across = if level.length() > 1e-6 { level.normalize() } else { DVec3::X };
@@ -97,7 +94,7 @@ fn basis(roots: &Patch) -> DMat3 {
 fn solid(shape: RootShape, t: f64, around: f64, radius: f64) -> DVec3 {
     let (sin, cos) = (0.5 * TAU * t).sin_cos();
     let (ring, height) = match shape {
-        RootShape::SphereCap => (0.995 * sin, 0.995 * cos),
+        RootShape::Cap => (0.995 * sin, 0.995 * cos),
         // A plate with a round edge: a superellipse of exponent 8 across, its front in the roots' plane.
         RootShape::Disc | RootShape::Line => {
             let scale = (sin.abs().powi(8) + cos.abs().powi(8)).powf(-0.125);

@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::dcamera::lh::view::look_to_mat4;
 use glam::dcamera::rh::{proj, view::look_at_mat4};
 use glam::{DMat4, DVec3, Vec3, Vec4};
-use windswept_scene::{Air, Band, Body, Camera, Fibre, Hair, LookAt, Model, Scene};
+use windswept_scene::{Band, Camera, CheckedAir, CheckedBody, CheckedScene, Fibre, Hair, LookAt, Model};
 use windswept_shaders::pictures::common::{self as shader, FINE, GRID, Light};
 
 use super::patch::{ends, patches};
@@ -38,7 +38,7 @@ impl View {
     ///
     /// # Errors
     /// [`ExportError::Picture`] when the camera stands where it looks.
-    pub fn new(scene: &Scene, strands: &Followers) -> Result<Self, ExportError> {
+    pub fn new(scene: &CheckedScene, strands: &Followers) -> Result<Self, ExportError> {
         let camera = &scene.camera;
         let Some(LookAt { eye, target }) = camera.look_at else {
             return Ok(Self::automatic(scene, strands));
@@ -52,7 +52,7 @@ impl View {
         Ok(Self { eye, target, fov: camera.fov, width: camera.width, height: camera.height })
     }
 
-    fn automatic(scene: &Scene, strands: &Followers) -> Self {
+    fn automatic(scene: &CheckedScene, strands: &Followers) -> Self {
         // Wind from left to right; without wind the way the hair points, where most of it points one way.
         let wind = scene.air.as_ref().map_or(DVec3::ZERO, |air| DVec3::from_array(air.wind));
         let (sum, count) = strands.strands().fold((DVec3::ZERO, 0.0), |(sum, count), strand| {
@@ -65,7 +65,7 @@ impl View {
         let side = right.cross(DVec3::Y);
         // Half way toward a three-quarter view, and 12° above.
         let mut fit = Fit::new((side + 0.42 * right + 0.26 * DVec3::Y).normalize(), &scene.camera);
-        let table = scene.air.as_ref().map_or(vec![(0.0, [0.0; 3])], Air::wind_table);
+        let table = scene.air.as_ref().map_or(vec![(0.0, [0.0; 3])], CheckedAir::wind_table);
         let lasts = |k: usize| table.get(k + 1).map(|next| next.0 - table[k].0);
         let winds: Vec<_> = (0..table.len()).map(|k| (DVec3::from_array(table[k].1), lasts(k))).collect();
         let unknown = Fibre::default();
@@ -137,7 +137,7 @@ fn where_hair_goes(
     strand: &Strand<'_>,
     unknown: &Fibre,
     winds: &[(DVec3, Option<f64>)],
-    scene: &Scene,
+    scene: &CheckedScene,
     mut reaches: impl FnMut(DVec3, f64),
 ) {
     let [root, .., tip] = strand.points else { return };
@@ -202,15 +202,16 @@ fn for_each_pose(hair: Option<&Hair>, mut pose: impl FnMut(&dyn Fn(DVec3) -> DVe
 }
 
 /// The ends of every patch at the start and at its keyframes.
-fn patch_ends(scene: &Scene) -> impl Iterator<Item = DVec3> + '_ {
+fn patch_ends(scene: &CheckedScene) -> impl Iterator<Item = DVec3> + '_ {
     patches(scene).flat_map(|(hair, patch)| {
         let times = std::iter::once(0.0).chain(hair.motion.keyframes.iter().map(|keyframe| keyframe.time));
-        times.flat_map(move |time| ends(patch).map(move |x| hair.motion.place(hair.center(), x, time)))
+        let ends: Vec<DVec3> = ends(&patch).collect();
+        times.flat_map(move |time| ends.clone().into_iter().map(move |x| hair.motion.place(hair.center(), x, time)))
     })
 }
 
 /// Corners of the boxes about a body at its start and at its keyframes.
-fn where_body_goes(body: &Body) -> impl Iterator<Item = DVec3> + '_ {
+fn where_body_goes(body: &CheckedBody) -> impl Iterator<Item = DVec3> + '_ {
     let times = std::iter::once(0.0).chain(body.motion.keyframes.iter().map(|keyframe| keyframe.time));
     times.flat_map(|time| {
         let [low, high] = body.at(time).bounds();
@@ -221,7 +222,7 @@ fn where_body_goes(body: &Body) -> impl Iterator<Item = DVec3> + '_ {
 /// Direction of a strand at rest in the wind: its weight across itself is the drag across itself, with the drag model's
 /// C_d = 1 + 10 Re^(-2/3) on its fibres, or C_d = 1 on its air particles. Eddies of intensity I add I² to the wind's
 /// square. Strands shelter each other, so that one feels about half of it. `None` where neither wind nor weight pulls.
-fn streaming(fibre: &Fibre, length: f64, segments: usize, wind: DVec3, scene: &Scene) -> Option<DVec3> {
+fn streaming(fibre: &Fibre, length: f64, segments: usize, wind: DVec3, scene: &CheckedScene) -> Option<DVec3> {
     let gravity = DVec3::from_array(scene.gravity);
     let weight = gravity.length()
         * match fibre.point_mass {
@@ -254,12 +255,12 @@ fn streaming(fibre: &Fibre, length: f64, segments: usize, wind: DVec3, scene: &S
 /// Rms displacement of a tip to one side of its stream \[m\], in the strongest band of eddies: along its length L a
 /// strand meets L / s eddies of scale s, and each turns it aside by I s / √8, which add up as a random walk does.
 /// Measured 1.0 to 1.1 times this, for I = 1.5, L = 120 mm, and s of 6, 12 and 18 mm.
-fn swing(length: f64, scene: &Scene) -> f64 {
+fn swing(length: f64, scene: &CheckedScene) -> f64 {
     strongest_band(scene).map_or(0.0, |band| band.intensity * (band.scale * length / 8.0).sqrt())
 }
 
 /// The band whose eddies swing hair the most.
-fn strongest_band(scene: &Scene) -> Option<&Band> {
+fn strongest_band(scene: &CheckedScene) -> Option<&Band> {
     let bands = scene.turbulence.bands.iter().filter(|band| band.strength > 0.0);
     let swings = |band: &Band| band.intensity * band.scale.sqrt();
     bands.max_by(|a, b| swings(a).total_cmp(&swings(b)))

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use windswept::Frame;
-use windswept_scene::Scene;
+use windswept_scene::CheckedScene;
 
 use super::{Continuation, Kind, VtkHdfWriter, arrays};
 use crate::error::ExportError;
@@ -13,7 +13,7 @@ use crate::sink::{FrameSink, Start};
 /// Writes strands and air particles, each into a file of its own where there are any.
 pub(crate) struct Films {
     folder: PathBuf,
-    scene: Scene,
+    scene: CheckedScene,
     adapter: String,
     frames: usize,
     /// Films that go on, until they are cut.

@@ -6,7 +6,7 @@ use glam::Vec3;
 use image::RgbaImage;
 use windswept::{AdapterChoice, Frame, Gpu, HairFrame};
 use windswept_export::{Renderer, image};
-use windswept_scene::{Scene, Strands};
+use windswept_scene::{CheckedScene, Scene, Strands};
 
 /// Looks along -z at the origin, from 0.2 m: 1 px is 0.2 mm there, a hair about half a pixel.
 pub(crate) const SCENE: &str = "
@@ -15,9 +15,9 @@ interaction.model = \"none\"
 camera = { eye = [0, 0, 0.2], target = [0, 0, 0], fov = 11.42118627, width = 320, height = 200 }
 ";
 
-pub(crate) fn scene(sets: &[&str]) -> Scene {
+pub(crate) fn scene(sets: &[&str]) -> CheckedScene {
     let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
-    Scene::parse_with("scene", SCENE, &sets).unwrap()
+    Scene::parse_with("scene", SCENE, &sets).unwrap().check().unwrap()
 }
 
 /// The adapter that WGPU_ADAPTER_NAME asks for, a software one without it.

@@ -46,9 +46,11 @@ impl Simulation {
         {
             return Ok(renderer.clone());
         }
-        let mut scene = engine.scene().clone();
-        scene.camera.width = size.0.unwrap_or(scene.camera.width);
-        scene.camera.height = size.1.unwrap_or(scene.camera.height);
+        let scene = engine.scene().assuming(|_, values| {
+            let camera = &mut values.camera;
+            camera.width = size.0.unwrap_or(camera.width);
+            camera.height = size.1.unwrap_or(camera.height);
+        });
         let start = engine.hair_at_start();
         let made = Renderer::with_groom(engine.engine().gpu(), &scene, &start, engine.initial().followers.as_ref());
         let made = made.map_err(|error| export_error(&error))?;

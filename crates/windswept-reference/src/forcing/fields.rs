@@ -1,7 +1,7 @@
 //! Force fields: winds of their own within their reach.
 
 use glam::DVec3;
-use windswept_scene::{ForceField, InitialState, Scene};
+use windswept_scene::{CheckedScene, ForceField, InitialState};
 
 use crate::Parameters;
 
@@ -25,7 +25,7 @@ pub struct Field {
 }
 
 /// Force fields of a scene; none where they do nothing.
-pub(crate) fn fields(scene: &Scene, initial: &InitialState) -> Vec<Field> {
+pub(crate) fn fields(scene: &CheckedScene, initial: &InitialState) -> Vec<Field> {
     let acting = scene.forces.iter().filter(|_| scene.why_no_fields().is_none());
     let field = acting.map(|force| Field {
         shape: force.field,

@@ -6,7 +6,7 @@ use std::{
 };
 
 use glam::{DVec3, DVec4};
-use windswept_scene::{Band, Turbulence};
+use windswept_scene::{Band, CheckedTurbulence};
 
 use crate::{Parameters, parallel};
 
@@ -164,7 +164,7 @@ pub fn smooth_along(p: &Parameters, scale: f64, mesh: &Mesh, axes: usize) -> [Me
 /// be: its projection, with Ŵ² for a weight, onto those functions of m, made orthogonal one after another (Gram and
 /// Schmidt).
 fn response(nodes: usize, spacing: f64, scale: f64) -> Vec<[f64; 2]> {
-    let reach = Turbulence::reach(spacing / scale).min(nodes / 2);
+    let reach = CheckedTurbulence::reach(spacing / scale).min(nodes / 2);
     let turns = |m: usize| TAU * m as f64 / nodes as f64;
     let waves = 1..=nodes / 2;
     let kept: Vec<f64> = waves.clone().map(|m| kept(turns(m))).collect();

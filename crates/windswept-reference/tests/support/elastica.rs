@@ -8,7 +8,7 @@ use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 pub use windswept_reference::elastica::{Hair, REAL};
 use windswept_reference::{Parameters, State, step::step};
-use windswept_scene::{InitialState, Scene, Strands};
+use windswept_scene::{CheckedScene, InitialState, Scene, Strands};
 
 use super::support::{self, Rod, bundle};
 
@@ -39,7 +39,8 @@ impl Scenes for Hair {
     fn blown(&self, segments: usize, step: f64, rods: &str) -> (Parameters, InitialState) {
         let initial = InitialState { hair: self.strand(segments), ..InitialState::default() };
         let scene = scene(self, "", "drag", step, rods);
-        (Parameters::new(&Scene { gravity: [0.0, -self.gravity, 0.0], ..scene }, &initial), initial)
+        let scene = scene.assuming(|_, values| values.gravity = [0.0, -self.gravity, 0.0]);
+        (Parameters::new(&scene, &initial), initial)
     }
 
     fn settled(&self, segments: usize) -> Strands {
@@ -68,13 +69,13 @@ impl Scenes for Hair {
 }
 
 /// A scene in which the wind blows from the start along +x.
-fn scene(hair: &Hair, bounds: &str, model: &str, step: f64, rods: &str) -> Scene {
+fn scene(hair: &Hair, bounds: &str, model: &str, step: f64, rods: &str) -> CheckedScene {
     let text = format!(
         "gravity = [0.0, -9.81, 0.0]\n[time]\nstep = {step}\nduration = 1.0\n[interaction]\nmodel = \"{model}\"\n\
          [air]\n{bounds}\nwind = [{}, 0.0, 0.0]\nramp = 0.0\n[rods]\nsleep = false\n{rods}",
         hair.wind
     );
-    Scene::parse(&text).unwrap()
+    Scene::parse(&text).unwrap().check().unwrap()
 }
 
 /// Strands of 50 mm and `fibres` fibres that hang down within a few millimetres of each other, some of them out of the

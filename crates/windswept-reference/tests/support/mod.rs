@@ -7,7 +7,7 @@ use glam::{DQuat, DVec3};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept_reference::{Parameters, State, fluid, neighbours, viscosity};
-use windswept_scene::{Air, AirParticles, InitialState, Scene, Strands};
+use windswept_scene::{Air, AirParticles, CheckedScene, InitialState, Scene, Strands};
 
 /// The paper's particle mass [kg], volume [m³] and kernel radius [m].
 pub const MASS: f64 = Air::PARTICLE_MASS;
@@ -16,14 +16,14 @@ pub const RADIUS: f64 = Air::KERNEL_RADIUS;
 
 /// A scene with no more than it must have, and `keys` on top. Rods by Gauss-Seidel and Euler, which sweeps of 0 leave
 /// out.
-pub fn scene(keys: &str) -> Scene {
+pub fn scene(keys: &str) -> CheckedScene {
     let rods = "rods = { solver = \"gauss-seidel\", integrator = \"euler\", sleep = false }";
     let text = format!("gravity = [0.0, -9.81, 0.0]\n{rods}\n[time]\nstep = 1.38e-3\nduration = 1.0\n{keys}");
-    Scene::parse(&text).unwrap()
+    Scene::parse(&text).unwrap().check().unwrap()
 }
 
 /// Air in a box; the wind blows from the start.
-pub fn windy(wind: DVec3) -> Scene {
+pub fn windy(wind: DVec3) -> CheckedScene {
     let wind = wind.to_array();
     scene(&format!(
         "[interaction]\nmodel = \"particles\"\n[air]\nbox = {{ min = [0.0, 0.0, 0.0], max = [1.0, 1.0, 1.0] }}\nwind = {wind:?}\nramp = 0.0"
@@ -31,7 +31,7 @@ pub fn windy(wind: DVec3) -> Scene {
 }
 
 /// Scene of strands without air.
-pub fn airless() -> Scene {
+pub fn airless() -> CheckedScene {
     scene("[interaction]\nmodel = \"none\"")
 }
 

@@ -11,8 +11,8 @@ use super::{Curves, farthest::farthest, is_finite};
 use crate::{
     declare::Keys,
     error::SceneError,
+    faults::Faults,
     groom::{COINCIDENT, Groom, PerStrand},
-    keys::{Key, Kind},
     limits::{MAX_CURVE_POINTS, MAX_HAIR_POINTS, MAX_POINTS_OF_A_STRAND},
     scene::{GroomFile, Up},
     units::with_scale,
@@ -361,24 +361,9 @@ impl GroomFile {
 
     /// Whether the numbers are such as their keys take, in a struct that was made in code.
     fn checked_in_code(&self) -> Result<(), SceneError> {
-        let fault = |key, words| Err(SceneError::new(words).at(key, None));
-        if let Some(invalid_value) = Keys::invalid_value(self) {
-            return fault(
-                invalid_value.key,
-                format!("expected {}, found {}", invalid_value.expected, invalid_value.found),
-            );
-        }
-        let counts =
-            [("points_per_strand", self.points_per_strand), ("strands", self.strands), ("points", self.points)];
-        for (key, count) in counts.into_iter().filter_map(|(key, count)| Some((key, count?))) {
-            let kind = Key::find(&format!("hair.{key}")).map(|key| key.kind);
-            if let Some(kind @ Kind::Count(least, most)) = kind
-                && !(least..=most).contains(&count)
-            {
-                return fault(key, format!("expected {}, found {count}", kind.expected()));
-            }
-        }
-        Ok(())
+        let faults = Faults::default();
+        Keys::find(self, &faults.root());
+        SceneError::of_all(faults.into_vec()).map_or(Ok(()), Err)
     }
 
     /// The curves with as many strands and points as asked for, without those that cannot be simulated, and what a user

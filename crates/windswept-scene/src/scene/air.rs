@@ -4,14 +4,13 @@ use glam::DVec3;
 
 use crate::{
     declare::table,
-    error::SceneError,
+    faults::At,
     keys::{
         Fallback::{Derived, Required, Value},
         Kind::{Count, Fraction, Length, NonNegative, Positive, Table, Tables, Vector},
     },
     limits::{MAX_AIR_PARTICLES, MAX_BOX_CELLS, MIN_AIR_PARTICLES, MIN_BOX_SIDE, MIN_KERNEL_RADIUS},
-    reader::Reader,
-    scene::{Band, Fluid, FluidSolver, Interaction, Model, SEED},
+    scene::{FluidSolver, Method, Model, Scene},
     wind::check_speed,
 };
 
@@ -25,7 +24,7 @@ const JITTER: f64 = 0.05;
 table! {
     /// `[air]`: wind and air particles.
     #[derive(Debug, Clone, PartialEq)]
-    pub struct Air, checked by Air::checked {
+    pub struct Air => CheckedAir, with defaults, checked by Air::check {
         /// Periodic box of the air particles; none with models drag and none.
         bounds as "box": Option<Bounds> = Table, "", Derived("needed with models particles and two-way");
         /// Distance about the hair's reach that the box is cut to at load, and the fringe's thickness more where wind
@@ -38,9 +37,9 @@ table! {
         /// Kernel radius h.
         kernel_radius: f64 = Length, "m", Value(Air::KERNEL_RADIUS);
         /// Mean wind U.
-        wind: [f64; 3] = Vector, "m/s", Derived("needed with every model but none") => |air| without_wind(air)?;
+        wind: [f64; 3] = Vector, "m/s", Derived("needed with every model but none") => value(|_scene| [0.0; 3]);
         /// Thickness of the fringe, in which entering air is conditioned; 0: none.
-        fringe: f64 = NonNegative, "m", Derived("4 kernel radii") => |_air| 4.0 * kernel_radius;
+        fringe: f64 = NonNegative, "m", Derived("4 kernel radii") => value(|_scene| 4.0 * kernel_radius);
         /// Time over which the wind rises; 0: at once.
         ramp: f64 = NonNegative, "s", Value(0.05);
         /// Kinematic viscosity ν of the drag on segments: that of real air.
@@ -52,7 +51,13 @@ table! {
         gust: Vec<Gust> = Tables, "", Derived("no gusts");
         /// Largest offset of a particle from its site of the lattice at the start, along each axis, in particle
         /// spacings.
-        jitter: f64 = Fraction, "", Derived("0.05 with fluid.solver divergence, 0 with pbf") => |air| jitter(air)?;
+        jitter: f64 = Fraction, "", Derived("0.05 with fluid.solver divergence, 0 with pbf") => value(|scene| {
+            // A sheared lattice breaks along its planes all at once, which the pressure of solver divergence makes noise
+            // of; the moves of solver pbf melt it in any case.
+            if scene.fluid_solver() == FluidSolver::Divergence { JITTER } else { 0.0 }
+        });
+        /// Seed that draws jitter and inflow.
+        seed: u64 = Count(0, u32::MAX), "", Derived("seed") => value(|scene| scene.seed);
         /// Turbulence that enters with the wind.
         inflow: Option<Inflow> = Table, "", Derived("that of turbulence.scale and intensity, unless turbulence.inflow = false");
     }
@@ -77,8 +82,6 @@ table! {
         intensity: f64 = NonNegative, "", Required;
         /// How large eddies are: s of their band (eq. 6).
         scale: f64 = Length, "m", Required;
-        /// Seed that draws the waves.
-        seed: u64 = Count(0, u32::MAX), "", Derived("seed") => |inflow| seed(inflow);
     }
 }
 
@@ -90,40 +93,6 @@ table! {
         min: [f64; 3] = Vector, "m", Required;
         /// Upper corner.
         max: [f64; 3] = Vector, "m", Required;
-    }
-}
-
-fn seed(reader: &Reader<'_>) -> u64 {
-    reader.root().said("seed").unwrap_or(SEED)
-}
-
-impl Inflow {
-    /// Eddies of `turbulence.scale` and `turbulence.intensity`, which enter unless `turbulence.inflow` or the method
-    /// says otherwise.
-    fn of_turbulence(reader: &Reader<'_>) -> Option<Self> {
-        let turbulence = reader.root().table("turbulence");
-        let Band { scale, intensity, .. } = Band::of_dials(&turbulence)?;
-        let enters = turbulence.said("inflow").unwrap_or(!reader.published());
-        enters.then(|| Self { intensity, scale, seed: seed(reader) })
-    }
-}
-
-fn model(reader: &Reader<'_>) -> Result<Model, SceneError> {
-    Ok(reader.root().read::<Interaction>("interaction")?.model)
-}
-
-/// A sheared lattice breaks along its planes all at once, which the pressure of solver divergence makes noise of; the
-/// moves of solver pbf melt it in any case.
-fn jitter(air: &Reader<'_>) -> Result<f64, SceneError> {
-    let solver = air.root().read::<Fluid>("fluid")?.solver;
-    Ok(if solver == FluidSolver::Divergence { JITTER } else { 0.0 })
-}
-
-/// Hair alone needs no wind.
-fn without_wind(air: &Reader<'_>) -> Result<[f64; 3], SceneError> {
-    match model(air)? {
-        Model::None => Ok([0.0; 3]),
-        _ => Err(air.fault("wind", "is missing: expected three numbers, [x, y, z] [m/s]")),
     }
 }
 
@@ -139,95 +108,86 @@ impl Air {
     /// Volume of an air particle without `[air]`: the paper's \[m³\].
     pub(crate) const PARTICLE_VOLUME: f64 = Self::PARTICLE_MASS / Self::REST_DENSITY;
 
-    fn checked(mut self, reader: &Reader<'_>) -> Result<Self, SceneError> {
-        let times = self.gust.windows(2).position(|pair| pair[1].time <= pair[0].time);
-        if let Some(i) = times {
-            let (before, after) = (self.gust[i].time, self.gust[i + 1].time);
-            let words = format!("expected a time after that of the keyframe before, {before} s; found {after}");
-            return Err(reader.fault(&format!("gust.{}.time", i + 1), words));
-        }
-        check_speed(reader, "wind", self.wind().length())?;
-        for (i, gust) in self.gust.iter().enumerate() {
-            check_speed(reader, &format!("gust.{i}.velocity"), DVec3::from_array(gust.velocity).length())?;
-        }
-        self.inflow = self.inflow.or_else(|| Inflow::of_turbulence(reader));
-        if let Some(inflow) = &self.inflow {
-            let root = reader.root();
-            let spelled =
-                if reader.has("inflow") { (reader, "inflow.intensity") } else { (&root, "turbulence.intensity") };
-            check_speed(spelled.0, spelled.1, inflow.intensity * self.largest_wind())?;
-        }
-        // Only particles fill the box.
-        let model = model(reader)?;
-        if !model.has_air() {
-            return Ok(Self { bounds: None, ..self });
-        }
-        let Some(bounds) = self.bounds else {
-            let words = format!(
-                "is missing: interaction.model = \"{}\" needs {{ min = [x, y, z], max = [x, y, z] }}",
-                model.word()
-            );
-            return Err(reader.fault("box", words));
-        };
-        self.check_box(&bounds, reader)?;
-        self.check_kernel(reader)?;
-        Ok(self)
+    /// Air that fills a box from the origin to `size` \[m\].
+    #[must_use]
+    pub fn filling(size: [f64; 3]) -> Self {
+        Self { bounds: Some(Bounds { min: [0.0; 3], max: size }), ..Self::default() }
     }
 
-    fn check_box(&self, bounds: &Bounds, reader: &Reader<'_>) -> Result<(), SceneError> {
+    /// The air with this mean wind \[m/s\].
+    #[must_use]
+    pub fn wind(self, wind: [f64; 3]) -> Self {
+        Self { wind: Some(wind), ..self }
+    }
+
+    fn check(&self, checked: &mut CheckedAir, scene: &Scene, at: &At<'_>) {
+        at.rising("gust", self.gust.iter().map(|gust| gust.time));
+        check_speed(at, "wind", checked.mean_wind().length());
+        for (i, gust) in self.gust.iter().enumerate() {
+            check_speed(at, &format!("gust.{i}.velocity"), DVec3::from_array(gust.velocity).length());
+        }
+        // Eddies of turbulence.scale and intensity enter too.
+        let turbulence = &scene.turbulence;
+        let enters = turbulence.inflow.unwrap_or(scene.method == Method::Accurate);
+        let band = turbulence.band().filter(|_| enters);
+        checked.inflow =
+            self.inflow.or_else(|| band.map(|band| Inflow { intensity: band.intensity, scale: band.scale }));
+        if let Some(inflow) = &checked.inflow {
+            let speed = inflow.intensity * checked.largest_wind();
+            match self.inflow {
+                Some(_) => check_speed(at, "inflow.intensity", speed),
+                None => check_speed(&at.root(), "turbulence.intensity", speed),
+            }
+        }
+        let model = scene.model();
+        if self.wind.is_none() && model != Model::None {
+            at.fault("wind", "is missing: expected three numbers, [x, y, z] [m/s]");
+        }
+        // Only particles fill the box.
+        checked.bounds = self.bounds.filter(|_| model.has_air());
+        match &self.bounds {
+            Some(bounds) if model.has_air() => {
+                self.check_box(bounds, at);
+                self.check_kernel(at);
+            }
+            None if model.has_air() => {
+                let words = format!(
+                    "is missing: interaction.model = \"{}\" needs {{ min = [x, y, z], max = [x, y, z] }}",
+                    model.word()
+                );
+                at.fault("box", words);
+            }
+            _ => {}
+        }
+    }
+
+    fn check_box(&self, bounds: &Bounds, at: &At<'_>) {
         let (min, max, radius) = (bounds.min, bounds.max, self.kernel_radius);
-        let fault = |words: String| Err(reader.fault("box", words));
-        for axis in 0..3 {
+        for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
             let side = max[axis] - min[axis];
-            let name = ["x", "y", "z"][axis];
             if side <= 0.0 {
-                return fault(format!("expected max above min, found {} and {} in {name}", max[axis], min[axis]));
+                return at
+                    .fault("box", format!("expected max above min, found {} and {} in {name}", max[axis], min[axis]));
             }
             if side < MIN_BOX_SIDE * radius * (1.0 - ROUNDING) {
-                return fault(format!(
-                    "expected sides of at least 3 kernel radii, {} m; found {} m in {name}",
-                    rounded(MIN_BOX_SIDE * radius),
+                let least = rounded(MIN_BOX_SIDE * radius);
+                let words = format!(
+                    "expected sides of at least 3 kernel radii, {least} m; found {} m in {name}",
                     rounded(side)
-                ));
+                );
+                return at.fault("box", words);
             }
         }
         // A box that is to be cut is counted once it is.
-        if self.margin.is_some() {
-            return Ok(());
+        if let (None, Err((key, words))) =
+            (self.margin, check_size(bounds, self.particle_mass / self.rest_density, radius))
+        {
+            at.fault(key, words);
         }
-        self.check_size(bounds).map_err(|(key, words)| reader.fault(key, words))
-    }
-
-    /// The box must hold some particles, and no more of them and of cells than fit; else the key and what is wrong with
-    /// it.
-    pub(crate) fn check_size(&self, bounds: &Bounds) -> Result<(), (&'static str, String)> {
-        let (least, most, radius) = (MIN_AIR_PARTICLES, MAX_AIR_PARTICLES, self.kernel_radius);
-        let side = |axis: usize| bounds.max[axis] - bounds.min[axis];
-        let count = (0..3).map(side).product::<f64>() / self.particle_volume();
-        if count < least {
-            return Err((
-                "box",
-                format!("would hold {count:.3} particles of air.particle_mass; expected at least {least}"),
-            ));
-        }
-        if count > f64::from(most) {
-            return Err((
-                "box",
-                format!("would hold {count:.3e} particles of air.particle_mass; expected at most {most}"),
-            ));
-        }
-        let cells: f64 = (0..3).map(|axis| (side(axis) / radius).floor()).product();
-        if cells > MAX_BOX_CELLS {
-            let fits = rounded(radius * (cells / MAX_BOX_CELLS).cbrt());
-            let words =
-                format!("makes {cells:.3e} cells of the box; expected at most {MAX_BOX_CELLS:e}, about {fits} m");
-            return Err(("kernel_radius", words));
-        }
-        Ok(())
     }
 
     /// Kernels must reach the next particle.
-    fn check_kernel(&self, reader: &Reader<'_>) -> Result<(), SceneError> {
+    fn check_kernel(&self, at: &At<'_>) {
         let radius = self.kernel_radius;
         let spacing = (self.particle_mass / self.rest_density).cbrt();
         let least = rounded(MIN_KERNEL_RADIUS * spacing);
@@ -238,10 +198,33 @@ impl Air {
                 radius / spacing,
                 rounded(spacing),
             );
-            return Err(reader.fault("kernel_radius", words));
+            at.fault("kernel_radius", words);
         }
-        Ok(())
     }
+}
+
+/// The box must hold some particles, and no more of them and of cells than fit; else the key and what is wrong with
+/// it.
+pub(crate) fn check_size(bounds: &Bounds, volume: f64, radius: f64) -> Result<(), (&'static str, String)> {
+    let (least, most) = (MIN_AIR_PARTICLES, MAX_AIR_PARTICLES);
+    let side = |axis: usize| bounds.max[axis] - bounds.min[axis];
+    let count = (0..3).map(side).product::<f64>() / volume;
+    if count < least {
+        return Err((
+            "box",
+            format!("would hold {count:.3} particles of air.particle_mass; expected at least {least}"),
+        ));
+    }
+    if count > f64::from(most) {
+        return Err(("box", format!("would hold {count:.3e} particles of air.particle_mass; expected at most {most}")));
+    }
+    let cells: f64 = (0..3).map(|axis| (side(axis) / radius).floor()).product();
+    if cells > MAX_BOX_CELLS {
+        let fits = rounded(radius * (cells / MAX_BOX_CELLS).cbrt());
+        let words = format!("makes {cells:.3e} cells of the box; expected at most {MAX_BOX_CELLS:e}, about {fits} m");
+        return Err(("kernel_radius", words));
+    }
+    Ok(())
 }
 
 /// The number to six digits, for people.

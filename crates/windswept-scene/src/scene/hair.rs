@@ -3,22 +3,18 @@
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-use super::roots::Roots;
 use crate::{
-    declare::{InvalidValue, Keys, table, words},
-    document::Document,
-    error::SceneError,
+    declare::{table, variants, words},
+    faults::At,
     groom::RestShape,
     keys::{
         Fallback::{self, Derived, Required, Value},
-        Key,
         Kind::{Bool, Choice, Count, Fraction, Length, NonNegative, Path, Positive, Share, Table, Tables, Text},
     },
     limits::{MAX_HAIR_POINTS, MAX_POINTS_OF_A_STRAND},
     motion::Motion,
-    reader::Reader,
+    scene::Roots,
     strands::End,
-    write::Writer,
 };
 
 /// Coulomb's coefficient of friction of hair on hair, where a scene says none.
@@ -40,18 +36,23 @@ table! {
         root: End = Choice(End::WORDS), "", Value(End::Clamped);
         /// Hold of the tips, as of the roots; clamped with rods.solver = "direct" only.
         tip: End = Choice(End::WORDS), "", Value(End::Free);
+        /// Seed that draws the group's root positions, length variation and curl phase, or the strands of its file that are
+        /// simulated.
+        seed: Option<u64> = Count(0, u32::MAX), "", Derived("from seed, another one for each group");
         /// Keyframes of the roots, about the centre of their shape, or about the origin of a groom or mesh file.
         motion: Motion = Tables, "", Derived("roots rest, or move as the body that they are on");
     }
 }
 
-/// Where the shapes of a group's strands come from.
-#[derive(Debug, Clone, PartialEq)]
-pub enum HairSource {
-    /// Helices of one length on a shape.
-    Drawn(Drawn),
-    /// Curves of a groom file.
-    File(GroomFile),
+variants! {
+    /// Where the shapes of a group's strands come from.
+    #[derive(Debug, Clone, PartialEq)]
+    pub enum HairSource {
+        /// Helices of one length on a shape.
+        Drawn(Drawn) = "strands that are drawn",
+        /// Curves of a groom file.
+        File(GroomFile) = "hair.file",
+    }
 }
 
 table! {
@@ -130,7 +131,7 @@ words! {
 table! {
     /// Fibres of a strand: side by side, equal and independent.
     #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-    pub struct Fibre, checked by Fibre::checked {
+    pub struct Fibre, with defaults, checked by Fibre::check {
         /// Radius of a fibre at its root; the semi-major axis, along d2, where the cross-section is an ellipse.
         radius: f64 = Length, "m", Value(4e-5);
         /// Fraction by which the tip's radius is less than the root's.
@@ -149,42 +150,40 @@ table! {
     }
 }
 
-/// Stiffness that bends, twists and stretches a strand back.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub enum Stiffness {
-    /// Elastic moduli of a fibre's material; the strand has `fibres_per_strand` times a fibre's stiffness.
-    Moduli {
-        /// Young's modulus E \[Pa\].
-        youngs_modulus: f64,
-        /// Poisson's ratio ν; G = E / (2 (1 + ν)).
-        poissons_ratio: f64,
-    },
-    /// Stiffnesses of the whole strand.
-    Direct {
-        /// Stretch stiffness EA \[N\].
-        stretch: f64,
-        /// Bend stiffness EI \[N m²\].
-        bend: f64,
-        /// Twist stiffness GJ \[N m²\].
-        twist: f64,
-        /// Poisson's ratio ν, for GA = EA / (2 (1 + ν)).
-        poissons_ratio: f64,
-    },
+variants! {
+    /// Stiffness that bends, twists and stretches a strand back.
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+    pub enum Stiffness {
+        /// Elastic moduli of a fibre's material; the strand has `fibres_per_strand` times a fibre's stiffness.
+        Moduli(Moduli) = "youngs_modulus",
+        /// Stiffnesses of the whole strand.
+        Direct(StrandStiffness) = "the three stiffnesses",
+    }
 }
 
 table! {
-    /// The keys that spell a [`Stiffness`].
-    pub(crate) struct SpelledStiffness {
+    /// Elastic moduli of a fibre's material.
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+    pub struct Moduli, with defaults {
         /// Young's modulus E of a fibre; not with the three stiffnesses.
-        youngs_modulus: Option<f64> = Positive, "Pa", Value(Some(4e9));
+        youngs_modulus: f64 = Positive, "Pa", Value(4e9);
         /// Poisson's ratio ν: G = E/(2 (1 + ν)), GA = EA/(2 (1 + ν)).
         poissons_ratio: f64 = Fraction, "", Value(0.38);
+    }
+}
+
+table! {
+    /// Stiffnesses of a whole strand.
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+    pub struct StrandStiffness {
         /// Stretch stiffness EA of the strand; the three stiffnesses go together.
-        stretch_stiffness: Option<f64> = Positive, "N", Derived("from youngs_modulus");
+        stretch as "stretch_stiffness": f64 = Positive, "N", Required;
         /// Bend stiffness EI of the strand.
-        bend_stiffness: Option<f64> = Positive, "N m²", Derived("from youngs_modulus");
+        bend as "bend_stiffness": f64 = Positive, "N m²", Required;
         /// Twist stiffness GJ of the strand.
-        twist_stiffness: Option<f64> = Positive, "N m²", Derived("from youngs_modulus");
+        twist as "twist_stiffness": f64 = Positive, "N m²", Required;
+        /// Poisson's ratio ν: G = E/(2 (1 + ν)), GA = EA/(2 (1 + ν)).
+        poissons_ratio: f64 = Fraction, "", Value(0.38);
     }
 }
 
@@ -221,14 +220,44 @@ impl Hair {
         }
     }
 
+    /// A group of this many strands of `points` points, `length` \[m\] long, on `roots`.
+    #[must_use]
+    pub fn drawn_on(strands: u32, points: u32, length: f64, roots: Roots) -> Self {
+        Self::of(HairSource::Drawn(Drawn {
+            strands,
+            points,
+            length,
+            length_variation: 0.0,
+            curl: None,
+            curl_phase: 1.0,
+            roots,
+        }))
+    }
+
+    /// A group of the strands of a groom file; relative paths start from the current directory.
+    #[must_use]
+    pub fn from_file(file: impl Into<String>) -> Self {
+        Self::of(HairSource::File(GroomFile::new(file)))
+    }
+
+    /// The group with this name.
+    #[must_use]
+    pub fn named(self, name: impl Into<String>) -> Self {
+        Self { name: name.into(), ..self }
+    }
+
+    /// A group named `hair` of these strands, clamped at their roots.
+    fn of(source: HairSource) -> Self {
+        let (root, tip) = (End::Clamped, End::Free);
+        let (name, fibre, motion) = (Self::NAME.to_owned(), Fibre::default(), Motion::default());
+        Self { name, source, fibre, friction: FRICTION, root, tip, seed: None, motion }
+    }
+
     /// The point that the roots' motion turns about \[m\]: the centre of their shape, or the origin of their groom or
     /// mesh file.
     #[must_use]
     pub fn center(&self) -> DVec3 {
-        match self.drawn().map(|drawn| &drawn.roots) {
-            Some(Roots::Patch(patch)) => DVec3::from_array(patch.center),
-            Some(Roots::Mesh(_)) | None => DVec3::ZERO,
-        }
+        self.drawn().and_then(|drawn| drawn.roots.patch()).map_or(DVec3::ZERO, |patch| DVec3::from_array(patch.center))
     }
 }
 
@@ -250,146 +279,13 @@ impl GroomFile {
     }
 }
 
-impl HairSource {
-    /// The keys of the table at `path` that spell strands of a file and drawn ones; two are keys of both.
-    fn keys(path: &str) -> [Vec<Key>; 2] {
-        let (mut of_file, mut of_drawn) = (Vec::new(), Vec::new());
-        GroomFile::list(path, &mut of_file);
-        Drawn::list(path, &mut of_drawn);
-        [of_file, of_drawn]
-    }
-}
-
-impl Keys for HairSource {
-    fn list(path: &str, all: &mut Vec<Key>) {
-        let [of_file, of_drawn] = Self::keys(path);
-        for mut key in of_file {
-            let shared = of_drawn.iter().any(|other| other.path == key.path);
-            key.default = match key.default {
-                Required => Derived("strands are drawn"),
-                Derived(_) if shared => Derived("needed, or with a file what the file has"),
-                default => default,
-            };
-            all.push(key);
-        }
-        for mut key in of_drawn {
-            if all.iter().any(|other| other.path == key.path) {
-                continue;
-            }
-            let own = key.path.rsplit_once('.').is_some_and(|(table, _)| table == path);
-            if own && key.default == Fallback::Required {
-                key.default = Derived("needed, unless strands come from a file");
-            }
-            all.push(key);
-        }
-    }
-
-    fn read(reader: &Reader<'_>) -> Result<Self, SceneError> {
-        let [of_file, of_drawn] = Self::keys("");
-        let (own, other, words) = if reader.has("file") {
-            (of_file, of_drawn, "goes with strands that are drawn: leave it out, as hair.file gives the strands")
-        } else {
-            (of_drawn, of_file, "goes with hair.file: expected a file, or no such key")
-        };
-        let foreign = |key: &&Key| reader.has(&key.path) && own.iter().all(|known| known.path != key.path);
-        if let Some(key) = other.iter().find(foreign) {
-            return Err(reader.fault(&key.path, words));
-        }
-        if reader.has("file") { GroomFile::read(reader).map(Self::File) } else { Drawn::read(reader).map(Self::Drawn) }
-    }
-
-    fn write(&self, writer: &mut Writer) {
-        match self {
-            Self::Drawn(drawn) => drawn.write(writer),
-            Self::File(file) => file.write(writer),
-        }
-    }
-
-    fn invalid_value(&self) -> Option<InvalidValue> {
-        match self {
-            Self::Drawn(drawn) => drawn.invalid_value(),
-            Self::File(file) => file.invalid_value(),
-        }
-    }
-}
-
-impl Default for Fibre {
-    /// The fibre of a `[hair]` that says nothing of it: 40 µm, 1320 kg/m³, 4 GPa.
-    fn default() -> Self {
-        Self::read(&Reader::new(&Document::default())).expect("every key of a fibre has a default")
-    }
-}
-
 impl Fibre {
     /// Why an aspect is refused with stiffnesses that are given directly: those are a round strand's.
-    pub(crate) const ROUND: &str = "stiffnesses are given: expected youngs_modulus with an aspect, or 1";
+    const ROUND: &str = "stiffnesses are given: expected youngs_modulus with an aspect, or 1";
 
-    /// Whether the cross-section is flat though stiffnesses are given.
-    pub(crate) fn is_overdetermined(&self) -> bool {
-        self.aspect != 1.0 && matches!(self.stiffness, Stiffness::Direct { .. })
-    }
-
-    fn checked(self, reader: &Reader<'_>) -> Result<Self, SceneError> {
-        if self.is_overdetermined() { Err(reader.fault("aspect", Self::ROUND)) } else { Ok(self) }
-    }
-}
-
-impl Stiffness {
-    fn spelled(self) -> SpelledStiffness {
-        match self {
-            Self::Moduli { youngs_modulus, poissons_ratio } => SpelledStiffness {
-                youngs_modulus: Some(youngs_modulus),
-                poissons_ratio,
-                stretch_stiffness: None,
-                bend_stiffness: None,
-                twist_stiffness: None,
-            },
-            Self::Direct { stretch, bend, twist, poissons_ratio } => SpelledStiffness {
-                youngs_modulus: None,
-                poissons_ratio,
-                stretch_stiffness: Some(stretch),
-                bend_stiffness: Some(bend),
-                twist_stiffness: Some(twist),
-            },
+    pub(crate) fn check(&self, at: &At<'_>) {
+        if self.aspect != 1.0 && matches!(self.stiffness, Stiffness::Direct { .. }) {
+            at.fault("aspect", Self::ROUND);
         }
-    }
-}
-
-impl Keys for Stiffness {
-    fn list(path: &str, all: &mut Vec<Key>) {
-        SpelledStiffness::list(path, all);
-    }
-
-    fn read(reader: &Reader<'_>) -> Result<Self, SceneError> {
-        let spelled = SpelledStiffness::read(reader)?;
-        let poissons_ratio = spelled.poissons_ratio;
-        let direct = (spelled.stretch_stiffness, spelled.bend_stiffness, spelled.twist_stiffness);
-        match (spelled.youngs_modulus, direct) {
-            (Some(youngs_modulus), (None, None, None)) => Ok(Self::Moduli { youngs_modulus, poissons_ratio }),
-            _ if reader.has("youngs_modulus") => {
-                let words = "stiffnesses are given too: expected the modulus or the three stiffnesses";
-                Err(reader.fault("youngs_modulus", words))
-            }
-            (_, (Some(stretch), Some(bend), Some(twist))) => Ok(Self::Direct { stretch, bend, twist, poissons_ratio }),
-            (_, (stretch, bend, _)) => {
-                let missing = if stretch.is_none() {
-                    "stretch_stiffness"
-                } else if bend.is_none() {
-                    "bend_stiffness"
-                } else {
-                    "twist_stiffness"
-                };
-                let words = "is missing: stretch_stiffness, bend_stiffness and twist_stiffness go together";
-                Err(reader.fault(missing, words))
-            }
-        }
-    }
-
-    fn write(&self, writer: &mut Writer) {
-        self.spelled().write(writer);
-    }
-
-    fn invalid_value(&self) -> Option<InvalidValue> {
-        self.spelled().invalid_value()
     }
 }

@@ -12,11 +12,11 @@ use crate::{
 table! {
     /// `[rods]`: how Cosserat rods are solved.
     #[derive(Debug, Clone, PartialEq)]
-    pub struct Rods {
+    pub struct Rods => CheckedRods, with defaults {
         /// Solver of the rods.
-        solver: Solver = Choice(Solver::WORDS), "", Method(Solver::Direct, Solver::GaussSeidel);
+        solver: Solver = Choice(Solver::WORDS), "", Method(Solver::Direct, Solver::GaussSeidel) => method;
         /// Time integration of hair.
-        integrator: Integrator = Choice(Integrator::WORDS), "", Method(Integrator::Bdf2, Integrator::Euler);
+        integrator: Integrator = Choice(Integrator::WORDS), "", Method(Integrator::Bdf2, Integrator::Euler) => method;
         /// Sweeps of Gauss-Seidel in a step; gauss-seidel only.
         iterations: u32 = Count(1, MAX_REPEATS), "", Value(10);
         /// Newton steps at most; direct only: a strand stops when frames turn by less than 1e-3 rad, or a hundredth of

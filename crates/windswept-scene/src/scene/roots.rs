@@ -1,32 +1,86 @@
 //! `hair.roots`: what the strands of a group are rooted on.
 
 use crate::{
-    declare::{InvalidValue, Keys, table, words},
-    error::SceneError,
+    declare::{table, variants},
     keys::{
-        Fallback::{Derived, Value},
-        Key,
-        Kind::{Choice, Direction, Length, Text, Vector},
+        Fallback::{Derived, Required, Value},
+        Kind::{Direction, Length, Text, Vector},
     },
-    reader::Reader,
-    write::Writer,
 };
 
 /// Direction in which strands start, where a scene says none.
 const DOWN: [f64; 3] = [0.0, -1.0, 0.0];
 
-/// Surface that the strands of a group are rooted on.
-#[derive(Debug, Clone, PartialEq)]
-pub enum Roots {
-    /// A disc, a cap or a line.
-    Patch(Patch),
-    /// Triangles of a body.
-    Mesh(Scalp),
+variants! {
+    /// Surface that the strands of a group are rooted on.
+    #[derive(Debug, Clone, PartialEq)]
+    pub enum Roots by "shape" = Value("disc"),
+        "Shape that roots are drawn on; mesh is the surface of a body, where strands start along its normals."
+    {
+        /// A flat disc.
+        Disc(Patch) = "disc",
+        /// The half sphere that faces a direction; strands start along its normals.
+        Cap(Cap) = "sphere_cap",
+        /// A line of half length `radius`, horizontal where it can be.
+        Line(Patch) = "line",
+        /// Triangles of a body.
+        Mesh(Scalp) = "mesh",
+    }
 }
 
-/// A shape that roots are drawn on.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Patch {
+table! {
+    /// A disc or a line that roots are drawn on.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct Patch {
+        /// Centre of the shape.
+        center: [f64; 3] = Vector, "m", Required;
+        /// Radius of the disc or cap; half length of the line.
+        radius: f64 = Length, "m", Required;
+        /// Direction in which strands start, a unit vector; a cap faces it.
+        direction: [f64; 3] = Direction, "", Value(DOWN);
+        /// Normal of the disc or of the line, a unit vector: strands lean where it is not the direction.
+        normal: Option<[f64; 3]> = Direction, "", Derived("direction");
+    }
+}
+
+table! {
+    /// A half sphere that roots are drawn on.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct Cap {
+        /// Centre of the shape.
+        center: [f64; 3] = Vector, "m", Required;
+        /// Radius of the disc or cap; half length of the line.
+        radius: f64 = Length, "m", Required;
+        /// Direction in which strands start, a unit vector; a cap faces it.
+        direction: [f64; 3] = Direction, "", Value(DOWN);
+    }
+}
+
+table! {
+    /// Triangles of a body that roots are scattered on; strands start along the normals.
+    #[derive(Debug, Clone, PartialEq)]
+    pub struct Scalp {
+        /// Name of the body with shape mesh that roots are on.
+        body: String = Text, "", Required;
+        /// Name of the group, object or material of the body's file that roots are on.
+        group: Option<String> = Text, "", Derived("all triangles of the body");
+    }
+}
+
+/// Kind of a shape that roots are drawn on.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RootShape {
+    /// A flat disc.
+    Disc,
+    /// A half sphere.
+    Cap,
+    /// A line.
+    Line,
+}
+
+/// A shape that roots are drawn on, by numbers that all such shapes have.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RootPatch {
     /// Kind of the shape.
     pub shape: RootShape,
     /// Centre of the shape \[m\].
@@ -35,133 +89,57 @@ pub struct Patch {
     pub radius: f64,
     /// Direction in which strands start, a unit vector; a cap faces it.
     pub direction: [f64; 3],
-    /// Normal of the disc or of the line, a unit vector: strands lean where it is not the direction.
+    /// Normal of the disc or of the line, a unit vector; of a cap its direction.
     pub normal: [f64; 3],
 }
 
-/// Triangles of a body that roots are scattered on; strands start along the normals.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Scalp {
-    /// Name of the body.
-    pub body: String,
-    /// Name of the group, object or material of the triangles; none for all of the body.
-    pub group: Option<String>,
-}
-
-/// Kind of a shape that roots are drawn on.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RootShape {
-    /// A flat disc.
-    Disc,
-    /// The half sphere of `radius` facing `direction`; strands start along its normals.
-    SphereCap,
-    /// A line of half length `radius`, horizontal where it can be.
-    Line,
-}
-
-words! {
-    /// `hair.roots.shape`.
-    pub(crate) enum RootsName {
-        /// [`RootShape::Disc`]
-        Disc = "disc",
-        /// [`RootShape::SphereCap`]
-        SphereCap = "sphere_cap",
-        /// [`RootShape::Line`]
-        Line = "line",
-        /// [`Roots::Mesh`]
-        Mesh = "mesh",
-    }
-}
-
-table! {
-    /// The keys that spell [`Roots`].
-    pub(crate) struct SpelledRoots {
-        /// Shape that roots are drawn on; mesh is the surface of a body, where strands start along its normals.
-        shape: RootsName = Choice(RootsName::WORDS), "", Value(RootsName::Disc);
-        /// Centre of the shape.
-        center: Option<[f64; 3]> = Vector, "m", Derived("needed, but for shape mesh");
-        /// Radius of the disc or cap; half length of the line.
-        radius: Option<f64> = Length, "m", Derived("needed, but for shape mesh");
-        /// Direction in which strands start, a unit vector; a cap faces it.
-        direction: Option<[f64; 3]> = Direction, "", Value(Some(DOWN));
-        /// Normal of the disc or of the line, a unit vector: strands lean where it is not the direction.
-        normal: Option<[f64; 3]> = Direction, "", Derived("direction");
-        /// Name of the body with shape mesh that roots are on.
-        body: Option<String> = Text, "", Derived("needed with shape mesh");
-        /// Name of the group, object or material of the body's file that roots are on.
-        group: Option<String> = Text, "", Derived("all triangles of the body");
-    }
-}
-
 impl Roots {
-    fn spelled(&self) -> SpelledRoots {
-        match self.clone() {
-            Self::Patch(Patch { shape, center, radius, direction, normal }) => SpelledRoots {
-                shape: match shape {
-                    RootShape::Disc => RootsName::Disc,
-                    RootShape::SphereCap => RootsName::SphereCap,
-                    RootShape::Line => RootsName::Line,
-                },
-                center: Some(center),
-                radius: Some(radius),
-                direction: Some(direction),
-                normal: Some(normal),
-                body: None,
-                group: None,
-            },
-            Self::Mesh(Scalp { body, group }) => SpelledRoots {
-                shape: RootsName::Mesh,
-                center: None,
-                radius: None,
-                direction: None,
-                normal: None,
-                body: Some(body),
-                group,
-            },
-        }
-    }
-}
-
-impl Keys for Roots {
-    fn list(path: &str, all: &mut Vec<Key>) {
-        SpelledRoots::list(path, all);
-    }
-
-    fn read(reader: &Reader<'_>) -> Result<Self, SceneError> {
-        let SpelledRoots { shape, center, radius, direction, normal, body, group } = SpelledRoots::read(reader)?;
-        let (word, other, has): (_, &[&str], _) = match shape {
-            RootsName::Mesh => (shape.word(), &["center", "radius", "direction", "normal"], "body"),
-            _ => (shape.word(), &["body", "group"], "center and radius"),
-        };
-        if let Some(key) = other.iter().find(|key| reader.has(key)) {
-            return Err(reader.fault(key, format!("expected no {key} with shape \"{word}\", which has {has}")));
-        }
-        let missing = |name: &str, expected: String| reader.fault(name, format!("is missing: expected {expected}"));
-        let shape = match shape {
-            RootsName::Mesh => {
-                let body = body.ok_or_else(|| missing("body", "the name of a body with shape \"mesh\"".to_owned()))?;
-                return Ok(Self::Mesh(Scalp { body, group }));
+    /// The shape that roots are drawn on; `None` for triangles of a body.
+    #[must_use]
+    pub fn patch(&self) -> Option<RootPatch> {
+        let (shape, Patch { center, radius, direction, normal }) = match *self {
+            Self::Disc(patch) => (RootShape::Disc, patch),
+            Self::Line(patch) => (RootShape::Line, patch),
+            Self::Cap(Cap { center, radius, direction }) => {
+                (RootShape::Cap, Patch { center, radius, direction, normal: None })
             }
-            RootsName::Disc => RootShape::Disc,
-            RootsName::SphereCap => RootShape::SphereCap,
-            RootsName::Line => RootShape::Line,
+            Self::Mesh(_) => return None,
         };
-        let center = center.ok_or_else(|| missing("center", Vector.expected_in("m")))?;
-        let radius = radius.ok_or_else(|| missing("radius", Length.expected()))?;
-        let direction = direction.unwrap_or(DOWN);
-        let normal = normal.unwrap_or(direction);
-        if shape == RootShape::SphereCap && normal != direction {
-            let words = "expected no normal with shape \"sphere_cap\", which faces direction";
-            return Err(reader.fault("normal", words));
+        Some(RootPatch { shape, center, radius, direction, normal: normal.unwrap_or(direction) })
+    }
+
+    /// A disc \[m\], from which strands hang down.
+    #[must_use]
+    pub fn disc(center: [f64; 3], radius: f64) -> Self {
+        Self::Disc(Patch { center, radius, direction: DOWN, normal: None })
+    }
+
+    /// A line of half length `radius` \[m\], from which strands hang down.
+    #[must_use]
+    pub fn line(center: [f64; 3], radius: f64) -> Self {
+        Self::Line(Patch { center, radius, direction: DOWN, normal: None })
+    }
+
+    /// A half sphere \[m\] that faces down.
+    #[must_use]
+    pub fn cap(center: [f64; 3], radius: f64) -> Self {
+        Self::Cap(Cap { center, radius, direction: DOWN })
+    }
+
+    /// The whole surface of the body of this name, whose shape is a mesh.
+    #[must_use]
+    pub fn on(body: impl Into<String>) -> Self {
+        Self::Mesh(Scalp { body: body.into(), group: None })
+    }
+
+    /// The shape with strands that start in this direction, of any length but 0. On a mesh they start along its normals.
+    #[must_use]
+    pub fn toward(mut self, direction: [f64; 3]) -> Self {
+        match &mut self {
+            Self::Disc(patch) | Self::Line(patch) => patch.direction = direction,
+            Self::Cap(cap) => cap.direction = direction,
+            Self::Mesh(_) => {}
         }
-        Ok(Self::Patch(Patch { shape, center, radius, direction, normal }))
-    }
-
-    fn write(&self, writer: &mut Writer) {
-        self.spelled().write(writer);
-    }
-
-    fn invalid_value(&self) -> Option<InvalidValue> {
-        self.spelled().invalid_value()
+        self
     }
 }

@@ -3,45 +3,70 @@
 use glam::DVec3;
 
 use crate::{
-    declare::{Keys, table, words},
-    error::SceneError,
-    force::{Force, ForceField},
+    declare::{table, variants, words},
+    faults::At,
+    force::{self, ForceField},
     keys::{
-        Fallback::{Derived, Method, Required, Value},
-        Kind::{Bool, Choice, Length, NonNegative, Positive, Tables},
+        Fallback::{self, Derived, Required, Value},
+        Kind::{Bool, Choice, Length, NonNegative, Positive, Table, Tables},
     },
     limits::COARSEST_SPACING,
-    reader::Reader,
-    scene::{Air, Scene},
+    scene::{Method, Scene, SceneValues},
+    wind,
 };
 
 table! {
     /// `[turbulence]`: vorticity confinement.
     #[derive(Debug, Clone, PartialEq)]
-    pub struct Turbulence, checked by Turbulence::checked {
+    pub struct Turbulence => CheckedTurbulence, with defaults, checked by Turbulence::check {
         /// Bands of eddies to strengthen, instead of `scale`; each has a scale and an intensity of its own, and none
         /// enters with the wind.
         bands: Vec<Band> = Tables, "", Derived("the band of scale and intensity");
         /// Speed U of the law.
-        speed: f64 = NonNegative, "m/s", Derived("the largest wind, those of jets and vortices included") => |turbulence| largest_wind(turbulence)?;
+        speed: f64 = NonNegative, "m/s", Derived("the largest wind, those of jets and vortices included") => value(|scene| largest_wind(scene));
         /// Confinement law.
-        law: Law = Choice(Law::WORDS), "", Method(Law::Band, Law::Published);
+        law: Law = Choice(Law::WORDS), "", Fallback::Method(Law::Band, Law::Published) => method;
         /// Filter that finds the band velocity; law published takes direct only.
-        filter: Filter = Choice(Filter::WORDS), "", Method(Filter::Grid, Filter::Direct);
-        /// Spacing of the grid filter's nodes in units of the scale, at most 1; never more than a kernel radius.
-        spacing: f64 = Positive, "", Value(Turbulence::SPACING);
-        /// Cutoff of the direct filter in units of the scale.
-        cutoff: f64 = Positive, "", Method(Turbulence::CUTOFF, 3.0);
+        filter as "": Filter = Table, "", Derived("") => value(|scene| Filter::without_word(scene.method, law));
         /// Whether the mean change of the air is taken out, so that confinement drives no wind.
-        conserve_momentum: bool = Bool, "", Derived("true with law band, false with published") => |_turbulence| law == Law::Band;
+        conserve_momentum: bool = Bool, "", Derived("true with law band, false with published") => value(|_scene| law == Law::Band);
     }
-    without a field {
+    and before the check {
         /// How large eddies are: s of eq. 6. A whirl of the band measures about 2 s across.
-        scale: f64 = Length, "m", Derived("no turbulence, unless there are bands");
+        scale: Option<f64> = Length, "m", Derived("no turbulence, unless there are bands");
         /// How wild eddies are: the rms speed of their band over the wind's (turbulence.speed).
-        intensity: f64 = Positive, "", Derived("0.6 with scale");
+        intensity: Option<f64> = Positive, "", Derived("0.6 with scale");
         /// Whether eddies of scale and intensity also enter with the wind; otherwise hair and bodies alone make them.
-        inflow: bool = Bool, "", Derived("true with scale, but false with method published");
+        inflow: Option<bool> = Bool, "", Derived("true with scale, but false with method published");
+    }
+}
+
+variants! {
+    /// Filter that finds the velocity of a band; the published law takes the direct one only.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub enum Filter by "filter" = Fallback::Method("grid", "direct"), "Filter that finds the band velocity; law published takes direct only." {
+        /// Three Gaussian passes on a grid.
+        Grid(GridFilter) = "grid",
+        /// The sum of eq. 5.
+        Direct(DirectFilter) = "direct",
+    }
+}
+
+table! {
+    /// `turbulence.filter = "grid"`.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct GridFilter, with defaults {
+        /// Spacing of the grid filter's nodes in units of the scale, at most 1; never more than a kernel radius.
+        spacing: f64 = Positive, "", Value(0.65);
+    }
+}
+
+table! {
+    /// `turbulence.filter = "direct"`.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct DirectFilter, with defaults {
+        /// Cutoff of the direct filter in units of the scale.
+        cutoff: f64 = Positive, "", Fallback::Method(4.5, Filter::PUBLISHED_CUTOFF);
     }
 }
 
@@ -70,26 +95,39 @@ words! {
     }
 }
 
-words! {
-    /// `turbulence.filter`.
-    pub enum Filter {
-        /// Three Gaussian passes on a grid.
-        Grid = "grid",
-        /// The sum of eq. 5.
-        Direct = "direct",
+/// Largest speed of the mean wind and of the force fields that air can follow \[m/s\]: not of a point's, which would
+/// compress it.
+fn largest_wind(scene: &Scene) -> f64 {
+    let Some(air) = &scene.air else { return 0.0 };
+    let fields = scene.forces.iter().filter(|force| force.field != ForceField::Point);
+    let fastest = fields.map(|force| force::fastest(force.strength, &force.keyframes)).fold(0.0, f64::max);
+    wind::largest(air.wind.unwrap_or_default(), &air.gust) + fastest
+}
+
+impl Default for Filter {
+    fn default() -> Self {
+        Self::Grid(GridFilter::default())
     }
 }
 
-/// Largest speed of the mean wind and of the force fields that air can follow \[m/s\]: not of a point's, which would
-/// compress it.
-fn largest_wind(reader: &Reader<'_>) -> Result<f64, SceneError> {
-    let root = reader.root();
-    if !root.has("air") {
-        return Ok(0.0);
+impl Filter {
+    /// Whether bands are filtered on a grid.
+    #[must_use]
+    pub fn is_grid(self) -> bool {
+        matches!(self, Self::Grid(_))
     }
-    let forces = root.tables("force").map(|table| Force::read(&table)).collect::<Result<Vec<_>, _>>()?;
-    let fields = forces.iter().filter(|force| force.field != ForceField::Point);
-    Ok(root.read::<Air>("air")?.largest_wind() + fields.map(Force::fastest).fold(0.0, f64::max))
+
+    /// Cutoff of the published method's direct filter, where a scene does not say it, in units of the scale.
+    pub(crate) const PUBLISHED_CUTOFF: f64 = 3.0;
+
+    /// The filter of a scene that names none: the published law knows the direct one only.
+    fn without_word(method: Method, law: Law) -> Self {
+        match (method, law) {
+            (Method::Published, _) => Self::Direct(DirectFilter { cutoff: Self::PUBLISHED_CUTOFF }),
+            (_, Law::Published) => Self::Direct(DirectFilter::default()),
+            _ => Self::default(),
+        }
+    }
 }
 
 impl Band {
@@ -97,60 +135,46 @@ impl Band {
     pub const STRENGTH: f64 = 6.0;
     /// `intensity` where a scene does not say it.
     pub const INTENSITY: f64 = 0.6;
-
-    /// The band of `turbulence.scale` and `turbulence.intensity`.
-    pub(crate) fn of_dials(turbulence: &Reader<'_>) -> Option<Self> {
-        let scale = turbulence.said("scale")?;
-        let intensity = turbulence.said("intensity").unwrap_or(Self::INTENSITY);
-        Some(Self { scale, strength: Self::STRENGTH, intensity })
-    }
 }
 
 impl Turbulence {
-    /// Spacing of the grid filter's nodes, where a scene does not say it, in units of the scale.
-    pub const SPACING: f64 = 0.65;
-    /// Cutoff of the accurate method's direct filter, where a scene does not say it, in units of the scale.
-    pub const CUTOFF: f64 = 4.5;
-
-    fn checked(mut self, reader: &Reader<'_>) -> Result<Self, SceneError> {
-        self.read_dials(reader)?;
-        // The published law knows no other.
-        if self.law == Law::Published && !reader.has("filter") {
-            self.filter = Filter::Direct;
-        }
-        if self.filter == Filter::Grid && self.law == Law::Published {
-            let words = "expected \"direct\" with turbulence.law = \"published\", which sums hair too, without volumes";
-            return Err(reader.fault("filter", words));
-        }
-        if self.spacing > COARSEST_SPACING {
-            let words = format!("expected at most {COARSEST_SPACING} scales, found {}", self.spacing);
-            return Err(reader.fault("spacing", words));
-        }
-        Ok(self)
+    /// Eddies of this scale s \[m\], of the default intensity, which also enter with the wind.
+    #[must_use]
+    pub fn scale(scale: f64) -> Self {
+        Self { scale: Some(scale), ..Self::default() }
     }
-}
 
-impl Turbulence {
-    /// `scale` and `intensity` are one band, which goes with no others.
-    fn read_dials(&mut self, reader: &Reader<'_>) -> Result<(), SceneError> {
-        let dial = ["scale", "intensity", "inflow"].into_iter().find(|dial| reader.has(dial));
-        match (dial, Band::of_dials(reader)) {
-            (Some("scale"), _) if reader.has("bands") => {
-                Err(reader.fault("scale", "turbulence.bands is given too: expected one of them; --set 'turbulence={ bands = [...] }' replaces both"))
+    /// The band of `scale` and `intensity`.
+    pub(crate) fn band(&self) -> Option<Band> {
+        let intensity = self.intensity.unwrap_or(Band::INTENSITY);
+        self.scale.map(|scale| Band { scale, strength: Band::STRENGTH, intensity })
+    }
+
+    fn check(&self, checked: &mut CheckedTurbulence, _: &Scene, at: &At<'_>) {
+        if self.scale.is_some() && !self.bands.is_empty() {
+            at.fault("scale", "turbulence.bands is given too: expected one of them; --set 'turbulence={ bands = [...] }' replaces both");
+        }
+        for (key, said) in [("intensity", self.intensity.is_some()), ("inflow", self.inflow.is_some())] {
+            if said && self.scale.is_none() {
+                at.fault(key, "expected turbulence.scale with it: bands have an intensity each, and no inflow");
             }
-            (Some("scale") | None, band) => {
-                self.bands.extend(band);
-                Ok(())
+        }
+        checked.bands.extend(self.band());
+        if let Filter::Grid(GridFilter { spacing }) = checked.filter {
+            if checked.law == Law::Published {
+                at.fault(
+                    "filter",
+                    "expected \"direct\" with turbulence.law = \"published\", which sums hair too, without volumes",
+                );
             }
-            (Some(dial), _) => {
-                Err(reader
-                    .fault(dial, "expected turbulence.scale with it: bands have an intensity each, and no inflow"))
+            if spacing > COARSEST_SPACING {
+                at.fault("spacing", format!("expected at most {COARSEST_SPACING} scales, found {spacing}"));
             }
         }
     }
 }
 
-impl Scene {
+impl SceneValues {
     /// Speed beyond which the band law does not strengthen a band's eddies in a step of `substeps` substeps \[m/s\]: I
     /// U, and at most a kernel radius in a substep, beyond which steps do not resolve them; 0 without air.
     #[must_use]
@@ -161,17 +185,15 @@ impl Scene {
     }
 
     /// Filters must be made and run in a time that somebody can wait for.
-    pub(super) fn check_bands(&self, reader: &Reader<'_>) -> Result<(), SceneError> {
-        let Some((air, bounds)) = self.filled() else { return Ok(()) };
+    pub(super) fn check_bands(&self, written: &Scene, at: &At<'_>) {
+        let Some((air, bounds)) = self.filled() else { return };
         let size = DVec3::from_array(bounds.max) - DVec3::from_array(bounds.min);
         let particles = size.element_product() / air.particle_volume();
         for (i, band) in self.turbulence.bands.iter().enumerate() {
             if let Some(excess) = self.turbulence.excess(band.scale, air.kernel_radius, particles, size) {
-                let words = format!("{}; {}", excess.what, excess.expected);
-                let spelled = if reader.table("turbulence").has("scale") { "" } else { &format!("bands.{i}.") };
-                return Err(reader.fault(&format!("turbulence.{spelled}scale"), words));
+                let spelled = if written.turbulence.scale.is_some() { "" } else { &format!("bands.{i}.") };
+                at.fault(&format!("turbulence.{spelled}scale"), format!("{}; {}", excess.what, excess.expected));
             }
         }
-        Ok(())
     }
 }

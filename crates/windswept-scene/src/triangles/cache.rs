@@ -167,7 +167,7 @@ fn forget(folder: &Path, most: u64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::body::Shape;
+    use crate::body::CheckedShape;
 
     /// A grid comes back to the last bit; a file that is cut, altered or another's counts as none; other triangles and
     /// other spacings have files of their own, and the oldest go.
@@ -175,7 +175,7 @@ mod tests {
     fn grids_come_back_as_they_were() {
         let folder = tempfile::tempdir().unwrap_or_else(|error| panic!("{error}"));
         let kept = folder.path().join("grids");
-        let ball = |radius: f64| Shape::Sphere { center: [0.1, 0.2, 0.3], radius }.surface(16, 16);
+        let ball = |radius: f64| CheckedShape::sphere([0.1, 0.2, 0.3], radius).surface(16, 16);
         let make = |radius: f64, spacing: f64| {
             let grid = bake_in(Some(&kept), Duration::ZERO, &ball(radius), spacing, 3.0 * spacing);
             grid.unwrap_or_else(|error| panic!("{error}"))

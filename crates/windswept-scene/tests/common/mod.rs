@@ -9,7 +9,7 @@ use std::{
 };
 
 use glam::DVec3;
-use windswept_scene::{InitialState, Scene, Strands, Triangles, npy_head};
+use windswept_scene::{CheckedScene, InitialState, Scene, SceneError, Strands, Triangles, npy_head};
 
 /// The scene that a newcomer runs first.
 pub(crate) const QUICK: &str = include_str!("../../../../examples/scenes/quick.toml");
@@ -33,12 +33,27 @@ wind = [3.0, 0.0, 0.0]
 jitter = 0.0
 ";
 
-pub(crate) fn scene_of(text: &str, sets: &[&str]) -> Scene {
-    let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
-    Scene::parse_with("scene", text, &sets).unwrap()
+/// A checked scene of a text.
+pub(crate) fn parse(text: &str) -> Result<CheckedScene, SceneError> {
+    parse_with("scene", text, &[])
 }
 
-pub(crate) fn brush(sets: &[&str]) -> (Scene, InitialState) {
+/// A checked scene of a text of this name, with assignments.
+pub(crate) fn parse_with(name: &str, text: &str, sets: &[String]) -> Result<CheckedScene, SceneError> {
+    Scene::parse_with(name, text, sets)?.check()
+}
+
+/// A checked scene of a file.
+pub(crate) fn load(path: impl AsRef<Path>) -> Result<CheckedScene, SceneError> {
+    Scene::load(path)?.check()
+}
+
+pub(crate) fn scene_of(text: &str, sets: &[&str]) -> CheckedScene {
+    let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
+    parse_with("scene", text, &sets).unwrap()
+}
+
+pub(crate) fn brush(sets: &[&str]) -> (CheckedScene, InitialState) {
     let scene = scene_of(BRUSH, sets);
     let state = InitialState::new(&scene).unwrap();
     (scene, state)

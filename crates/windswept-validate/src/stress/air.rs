@@ -32,7 +32,7 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
             // No fringe to enter through: the wind carries the air, and says how much the solver `divergence` spreads
             // it.
             if let Some(air) = &mut scene.air {
-                (air.wind, air.fringe) = ([wind, 0.0, 0.0], 0.0);
+                (air.wind, air.fringe) = (Some([wind, 0.0, 0.0]), Some(0.0));
             }
             let cloud = crowd(Cloud::lattice([SIDE; 3], SIMPLE).jittered(0.05, 7)).moving(|_| DVec3::X * wind);
             let mut initial = cloud.initial();

@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DQuat, DVec3};
 use windswept::{Gpu, Simulation};
-use windswept_scene::Shape;
+use windswept_scene::CheckedShape;
 
 use super::{COUPLINGS, Extent, LENGTH, TUFT, USUAL, points, scene, stretch};
 use crate::{Error, Sweep, air::farthest};
@@ -131,7 +131,7 @@ fn through(simulation: &mut Simulation, steps: u64) -> Result<Hit, Error> {
     let mut hit = Hit { hit: 0.0, after: 0.0, depth: 0.0, slips: 0.0 };
     let mut touched = None;
     let origin = simulation.initial().origin;
-    let body = |simulation: &Simulation| -> Shape { simulation.scene().bodies[0].at(simulation.time()) };
+    let body = |simulation: &Simulation| -> CheckedShape { simulation.scene().bodies[0].at(simulation.time()) };
     let (mut before, mut ball) = (points(simulation)?, body(simulation));
     for step in 0..steps {
         simulation.step(1)?;

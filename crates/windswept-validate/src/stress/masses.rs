@@ -99,7 +99,7 @@ fn run(gpu: &Gpu, keys: &[&[&str]], lighter: f64) -> Result<(Felt, Option<f64>),
     let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
     let mut left = STEPS;
     let mut drift = f64::NAN;
-    if closed && scene.interaction.model == Model::Particles {
+    if closed && simulation.scene().interaction.model == Model::Particles {
         if let Ok((change, received, taken)) = received(&mut simulation, STEPS) {
             (drift, left) = (change.length() / received, STEPS - taken);
         }

@@ -1,6 +1,6 @@
 //! Whether a scene fits an adapter, and the limits that a device must have for it.
 
-use windswept_scene::{Groom, InitialState, Scene, SceneError, limits::MAX_NODES};
+use windswept_scene::{CheckedScene, Groom, InitialState, SceneError, limits::MAX_NODES};
 use windswept_shaders::common::{dispatch::WORKGROUP, lanes::LANES, list::PAGES};
 
 use crate::{
@@ -27,7 +27,7 @@ const NODE_BYTES: u64 = 16;
 ///
 /// # Errors
 /// [`SceneError`] when the initial state cannot be made.
-pub fn required_limits(scene: &Scene) -> Result<wgpu::Limits, SceneError> {
+pub fn required_limits(scene: &CheckedScene) -> Result<wgpu::Limits, SceneError> {
     let initial = InitialState::new(scene)?;
     let setup = Setup::new(scene, &initial);
     let defaults = wgpu::Limits::default();
@@ -42,7 +42,7 @@ pub fn required_limits(scene: &Scene) -> Result<wgpu::Limits, SceneError> {
 
 /// Refuses a scene of which a part is known to be too large for the adapter before its initial state is made, which may
 /// take gigabytes.
-pub(crate) fn check_room(gpu: &Gpu, scene: &Scene, groom: Option<&Groom>) -> Result<(), GpuError> {
+pub(crate) fn check_room(gpu: &Gpu, scene: &CheckedScene, groom: Option<&Groom>) -> Result<(), GpuError> {
     check_sizes(gpu, &State::new(&least_sizes(scene, groom)).arrays())
 }
 

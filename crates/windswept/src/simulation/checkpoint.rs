@@ -10,7 +10,7 @@ use std::{
 
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
-use windswept_scene::{AtomicFile, InitialState, Scene};
+use windswept_scene::{AtomicFile, CheckedScene, InitialState, Scene};
 use windswept_shaders::common::rod::{Root, StrandHistory};
 
 use super::{
@@ -76,8 +76,9 @@ impl About {
 pub(super) type Files = Vec<(String, Option<u32>)>;
 
 /// The groom files and meshes of a scene, as they are now.
-pub(super) fn files(scene: &Scene) -> Files {
-    let grooms = scene.hair.iter().enumerate().filter_map(|(k, hair)| Some((scene.called(k), &hair.file()?.file)));
+pub(super) fn files(scene: &CheckedScene) -> Files {
+    let grooms =
+        scene.hair.iter().enumerate().filter_map(|(k, hair)| Some((scene.scene().called(k), &hair.file()?.file)));
     let meshes = scene
         .bodies
         .iter()
@@ -130,7 +131,7 @@ struct Driven {
 pub struct Checkpoint {
     file: String,
     about: About,
-    scene: Scene,
+    scene: CheckedScene,
     files: Files,
     initial: InitialState,
     driven: Driven,
@@ -178,7 +179,7 @@ impl Checkpoint {
         let buffers = buffers.iter().map(|array| section(array.name())).collect::<Result<_, _>>()?;
         reading.end().map_err(refused)?;
         let text = std::str::from_utf8(&text).map_err(|error| invalid(&file, format!("section {SCENE}: {error}")))?;
-        let scene = Scene::parse_named(&format!("{file}, section {SCENE}"), text);
+        let scene = Scene::parse_named(&format!("{file}, section {SCENE}"), text).and_then(|scene| scene.check());
         let scene = scene.map_err(|error| invalid(&file, error.to_string()))?;
         let now = self::files(&scene);
         if let Some((what, _)) = files.iter().find(|(what, sum)| sum.is_some() && !now.contains(&(what.clone(), *sum)))
@@ -191,7 +192,7 @@ impl Checkpoint {
 
     /// The scene as it was given, without a wind that was set.
     #[must_use]
-    pub fn scene(&self) -> &Scene {
+    pub fn scene(&self) -> &CheckedScene {
         &self.scene
     }
 
@@ -338,9 +339,9 @@ impl Simulation {
 
     fn write<W: Write>(&self, out: W, file: &str, notes: &impl Serialize) -> Result<W, CheckpointError> {
         let io = |reason| CheckpointError::File { file: file.to_owned(), be: "written", reason };
-        let text = self.given.text_now();
-        match Scene::parse(&text) {
-            Ok(scene) if scene == self.given => {}
+        let text = self.given.scene().text_now();
+        match Scene::parse(&text).and_then(|scene| scene.check()) {
+            Ok(scene) if *scene == *self.given => {}
             Ok(_) => return Err(CheckpointError::Text("it reads as another scene".to_owned())),
             Err(error) => return Err(CheckpointError::Text(error.to_string())),
         }

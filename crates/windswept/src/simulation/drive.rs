@@ -125,9 +125,12 @@ impl Simulation {
 
     /// Gives scene and plan this wind \[m/s\] in place of the scene's own.
     pub(super) fn plan_wind(&mut self, wind: DVec3) -> Result<(), GpuError> {
-        if let Some(air) = &mut self.scene.air {
-            (air.wind, air.ramp, air.gust) = (wind.to_array(), 0.0, Vec::new());
-        }
+        self.scene = self.scene.assuming(|scene, values| {
+            if let (Some(written), Some(air)) = (&mut scene.air, &mut values.air) {
+                (written.wind, written.ramp, written.gust) = (Some(wind.to_array()), 0.0, Vec::new());
+                (air.wind, air.ramp, air.gust) = (wind.to_array(), 0.0, Vec::new());
+            }
+        });
         self.wind_set = Some(wind);
         if self.plan.set_wind(wind != DVec3::ZERO) { self.record_again() } else { Ok(()) }
     }

@@ -3,11 +3,7 @@
 use glam::DVec3;
 
 use super::Simulation;
-use crate::{
-    error::RunError,
-    ops::{Filter, Particles},
-    report::BandEnergy,
-};
+use crate::{error::RunError, ops::Particles, report::BandEnergy};
 
 /// Air, as positions in the box \[m\] and velocities about the mean wind \[m/s\].
 struct Air {
@@ -26,7 +22,7 @@ impl Simulation {
             return Ok(Vec::new());
         };
         let air = self.air_now()?;
-        let eddies = self.particles(&air).band_velocity(self.engine.gpu(), band.scale, self.filter())?;
+        let eddies = self.particles(&air).band_velocity(self.engine.gpu(), band.scale, self.scene.turbulence.filter)?;
         Ok(eddies.iter().map(|u| 0.5 * (u[0] * u[0] + u[1] * u[1] + u[2] * u[2])).collect())
     }
 
@@ -67,11 +63,7 @@ impl Simulation {
     }
 
     fn mean_energy(&self, air: &Air, scale: f64) -> Result<f64, RunError> {
-        Ok(self.particles(air).band_energy(self.engine.gpu(), scale, self.filter())?)
-    }
-
-    fn filter(&self) -> Filter {
-        Filter::of(&self.scene.turbulence)
+        Ok(self.particles(air).band_energy(self.engine.gpu(), scale, self.scene.turbulence.filter)?)
     }
 
     fn particles<'a>(&self, air: &'a Air) -> Particles<'a> {

@@ -1,6 +1,6 @@
 //! Conditions that several stages decide by.
 
-use windswept_scene::{Air, FluidSolver, Law, Model, Scene};
+use windswept_scene::{CheckedAir, CheckedScene, FluidSolver, Law, Model};
 
 use crate::{recorder::Decision, setup::Setup};
 
@@ -58,7 +58,7 @@ impl Conditions {
         });
         let exposed = if drag.runs { Decision::YES } else { air.clone() };
         let fields = Decision::unless(scene.why_no_fields());
-        let is_still = scene.air.as_ref().is_none_or(Air::is_still) && !fields.runs;
+        let is_still = scene.air.as_ref().is_none_or(CheckedAir::is_still) && !fields.runs;
         let two_way = scene.interaction.model == Model::TwoWay;
         let is_pbf = scene.fluid.solver == FluidSolver::Pbf;
         let divergence = air.and(Decision::when(!is_pbf, "fluid.solver is pbf"));
@@ -117,7 +117,7 @@ fn pushes(is_set: bool) -> Decision {
 }
 
 /// The reason why no band of eddies is strengthened.
-fn why_no_turbulence(scene: &Scene) -> Option<&'static str> {
+fn why_no_turbulence(scene: &CheckedScene) -> Option<&'static str> {
     let turbulence = &scene.turbulence;
     if turbulence.bands.is_empty() {
         Some("the scene names no turbulence.bands")

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use windswept_scene::{Filter, Law};
+use windswept_scene::Law;
 use windswept_shaders::{
     common::{band::Band, list::PAGES, mesh::Mesh, params::Params, reduce::TERMS},
     reduce, turbulence,
@@ -56,7 +56,7 @@ pub struct BandPlan {
 
 pub(super) fn plan(setup: &Setup<'_>, c: &Conditions) -> TurbulencePlan {
     let (turbulence, n) = (&setup.scene.turbulence, setup.sizes());
-    let on_grid = turbulence.filter == Filter::Grid;
+    let on_grid = turbulence.filter.is_grid();
     let published_law = turbulence.law == Law::Published;
     TurbulencePlan {
         published_law,

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use windswept_scene::{InitialState, Model, Scene, ViscosityForm};
+use windswept_scene::{CheckedScene, InitialState, Model, ViscosityForm};
 use windswept_shaders::{common::matter::MAX_EDDIES, viscosity};
 
 use crate::{
@@ -49,7 +49,7 @@ struct Exchanges {
 
 /// S_i = Σ c_ij w_ij ≤ 2 c √(V_max/V_min), since Σ_j V_j W ≤ θ_i, with the volumes and the coefficient of those that
 /// the particle meets.
-fn exchanges(scene: &Scene, initial: &InitialState) -> Exchanges {
+fn exchanges(scene: &CheckedScene, initial: &InitialState) -> Exchanges {
     let bound = |coefficient: f64, volumes: &mut dyn Iterator<Item = f64>| {
         let (smallest, largest) = volumes.fold((f64::INFINITY, 0.0_f64), |(a, b), v| (a.min(v), b.max(v)));
         if largest > 0.0 {
@@ -71,7 +71,7 @@ fn exchanges(scene: &Scene, initial: &InitialState) -> Exchanges {
 }
 
 /// Below 1 the limiter can never act.
-fn limiter(scene: &Scene, bounds: Exchanges) -> Decision {
+fn limiter(scene: &CheckedScene, bounds: Exchanges) -> Decision {
     if scene.viscosity.form == ViscosityForm::Published {
         return Decision::when(false, "viscosity.form is published");
     }

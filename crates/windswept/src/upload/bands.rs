@@ -5,7 +5,7 @@ use std::{
     ops::Range,
 };
 
-use windswept_scene::{Filter, InitialState, Law, Scene};
+use windswept_scene::{CheckedScene, Filter, InitialState, Law};
 use windswept_shaders::{
     common::{band::Band, params::Params},
     turbulence::{
@@ -42,7 +42,7 @@ pub(crate) struct Bands {
 }
 
 impl Bands {
-    pub(crate) fn new(scene: &Scene, initial: &InitialState, params: &Params) -> Self {
+    pub(crate) fn new(scene: &CheckedScene, initial: &InitialState, params: &Params) -> Self {
         let mut bands = Self::default();
         if params.box_cells == 0 {
             return bands;
@@ -50,7 +50,7 @@ impl Bands {
         let first = first_of_step(scene);
         for (i, band) in scene.turbulence.bands.iter().enumerate() {
             let whole = Band { comes_first: u32::from(first == Some(i)), ..of(scene, initial, band) };
-            if scene.turbulence.filter == Filter::Grid {
+            if scene.turbulence.filter.is_grid() {
                 bands.ranges.push(bands.tasks.len()..bands.tasks.len() + 1);
                 bands.tasks.push(whole);
                 continue;
@@ -79,15 +79,15 @@ impl Bands {
 }
 
 /// The band that a step strengthens first: the finest with the grid filter, else the first that has a strength.
-fn first_of_step(scene: &Scene) -> Option<usize> {
+fn first_of_step(scene: &CheckedScene) -> Option<usize> {
     match scene.turbulence.filter {
-        Filter::Grid => scene.turbulence.grids().first().map(|grid| grid[0]),
-        Filter::Direct => scene.turbulence.bands.iter().position(|band| band.strength > 0.0),
+        Filter::Grid(_) => scene.turbulence.grids().first().map(|grid| grid[0]),
+        Filter::Direct(_) => scene.turbulence.bands.iter().position(|band| band.strength > 0.0),
     }
 }
 
-fn of(scene: &Scene, initial: &InitialState, band: &windswept_scene::Band) -> Band {
-    let reach = (scene.turbulence.cutoff * band.scale) as f32;
+fn of(scene: &CheckedScene, initial: &InitialState, band: &windswept_scene::Band) -> Band {
+    let reach = (scene.turbulence.cutoff() * band.scale) as f32;
     match scene.turbulence.law {
         Law::Band => Band {
             scale: band.scale as f32,

@@ -1,6 +1,6 @@
 //! Bodies as the shaders see them (`shaders/common/body.wgsl`).
 
-use windswept_scene::{InitialState, Scene, Solid};
+use windswept_scene::{CheckedScene, InitialState, Solid};
 use windswept_shaders::common::body::{Body, Grid};
 
 use crate::upload::{
@@ -10,7 +10,7 @@ use crate::upload::{
 
 /// The scene's bodies, in local coordinates.
 #[must_use]
-pub(crate) fn bodies(scene: &Scene, initial: &InitialState, motions: &Motions) -> Vec<Body> {
+pub(crate) fn bodies(scene: &CheckedScene, initial: &InitialState, motions: &Motions) -> Vec<Body> {
     let solids = scene.solids();
     let each = scene.bodies.iter().zip(&motions.bodies).map(|(body, keyframes)| {
         let round = body.shape.round();
@@ -32,12 +32,12 @@ pub(crate) fn bodies(scene: &Scene, initial: &InitialState, motions: &Motions) -
 }
 
 /// Distances at the nodes of all grids, one grid after the other.
-pub(crate) fn distances(scene: &Scene) -> Vec<f32> {
+pub(crate) fn distances(scene: &CheckedScene) -> Vec<f32> {
     scene.solids().into_iter().flat_map(|solid| &solid.grid().values).copied().collect()
 }
 
 /// Number of nodes of all grids.
-pub(crate) fn nodes(scene: &Scene) -> u32 {
+pub(crate) fn nodes(scene: &CheckedScene) -> u32 {
     let nodes: usize = scene.solids().into_iter().map(|solid| solid.grid().values.len()).sum();
     // Saturates, where a scene was made in code: no adapter binds as many.
     u32::try_from(nodes).unwrap_or(u32::MAX)

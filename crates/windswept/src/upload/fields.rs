@@ -1,6 +1,6 @@
 //! Force fields as the shaders see them (`shaders/common/field.wgsl`).
 
-use windswept_scene::{Force, ForceField, InitialState, Scene};
+use windswept_scene::{CheckedForce, CheckedScene, ForceField, InitialState};
 use windswept_shaders::common::field::{Field, JET, POINT, VORTEX};
 
 use crate::upload::vectors::vec3;
@@ -15,7 +15,7 @@ pub(crate) struct Fields {
 }
 
 impl Fields {
-    pub(crate) fn new(scene: &Scene, initial: &InitialState) -> Self {
+    pub(crate) fn new(scene: &CheckedScene, initial: &InitialState) -> Self {
         let mut all = Self::default();
         if scene.why_no_fields().is_none() {
             scene.forces.iter().for_each(|force| all.add(force, initial));
@@ -23,7 +23,7 @@ impl Fields {
         all
     }
 
-    fn add(&mut self, force: &Force, initial: &InitialState) {
+    fn add(&mut self, force: &CheckedForce, initial: &InitialState) {
         let keys = force.strengths();
         self.fields.push(Field {
             origin: vec3(glam::DVec3::from_array(force.origin) - initial.origin),

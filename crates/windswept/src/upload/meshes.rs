@@ -2,7 +2,7 @@
 
 use std::f64::consts::E;
 
-use windswept_scene::{Filter, InitialState, Scene, limits::MAX_NODES};
+use windswept_scene::{CheckedScene, Filter, InitialState, limits::MAX_NODES};
 use windswept_shaders::common::{
     deposit::BLOCK,
     mesh::{MITCHELL, Mesh},
@@ -42,9 +42,10 @@ pub(crate) struct Meshes {
 }
 
 impl Meshes {
-    pub(crate) fn new(scene: &Scene, initial: &InitialState) -> Self {
+    pub(crate) fn new(scene: &CheckedScene, initial: &InitialState) -> Self {
         let mut meshes = Self::default();
-        let (Some(air), Filter::Grid, false) = (&scene.air, scene.turbulence.filter, initial.air.positions.is_empty())
+        let (Some(air), Filter::Grid(_), false) =
+            (&scene.air, scene.turbulence.filter, initial.air.positions.is_empty())
         else {
             return meshes;
         };
@@ -69,7 +70,7 @@ impl Meshes {
     }
 
     /// Adds a band on the last grid.
-    fn add(&mut self, scene: &Scene, band: usize, deposits: bool) {
+    fn add(&mut self, scene: &CheckedScene, band: usize, deposits: bool) {
         let Some(&(nodes, spacing)) = self.grids.last() else { return };
         let scale = scene.turbulence.bands[band].scale;
         let count = nodes.map(|n| n as u32);

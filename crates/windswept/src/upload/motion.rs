@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use glam::DQuat;
-use windswept_scene::{Motion, Scene};
+use windswept_scene::{CheckedScene, Motion};
 use windswept_shaders::common::motion::Keyframe;
 
 use crate::upload::vectors::{quat, vec3};
@@ -22,7 +22,7 @@ pub struct Motions {
 impl Motions {
     /// The motions of a scene, with times in steps of the engine.
     #[must_use]
-    pub fn new(scene: &Scene) -> Self {
+    pub fn new(scene: &CheckedScene) -> Self {
         let step = scene.time.step / f64::from(scene.time.substeps);
         let mut all = Self::default();
         all.hair = scene.hair.iter().map(|hair| all.append(&hair.motion, step)).collect();

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use windswept_scene::{FluidSolver, InitialState, Integrator, Law, Model, Scene, Solver, limits::MAX_BUCKETS};
+use windswept_scene::{CheckedScene, FluidSolver, InitialState, Integrator, Law, Model, Solver, limits::MAX_BUCKETS};
 use windswept_shaders::common::{
     dispatch::WORKGROUP,
     lanes::LANES,
@@ -26,7 +26,7 @@ const FAILED_STRANDS: u32 = 3;
 /// The uniform of a scene, with a neighbour list of no entries.
 #[must_use]
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-pub(crate) fn uniform(scene: &Scene, initial: &InitialState) -> Params {
+pub(crate) fn uniform(scene: &CheckedScene, initial: &InitialState) -> Params {
     let substeps = f64::from(scene.time.substeps);
     let hair_points = initial.hair.positions.len() as u32;
     let strands = initial.hair.len() as u32;

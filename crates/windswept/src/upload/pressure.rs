@@ -1,7 +1,7 @@
 //! Constants of solver `divergence`: relaxations of the pressure's iterations (`shaders/fluid/divergence.wgsl`), and
 //! how air is spread (`shaders/fluid/spread.wgsl`; `docs/decisions/air.md`).
 
-use windswept_scene::{Model, Scene};
+use windswept_scene::{CheckedScene, Model};
 use windswept_shaders::fluid::divergence::Iteration;
 
 /// Share of its unevenness that still air takes out in a second: all of it in 1.38 ms.
@@ -12,13 +12,13 @@ const SETTLING_RATE: f64 = 725.0;
 const LARGEST_EIGENVALUE: f64 = 4.5;
 
 /// Share f of the way of air in a substep by which its particles are spread: the coarse grid bears more.
-pub(crate) fn spreading(scene: &Scene) -> f64 {
+pub(crate) fn spreading(scene: &CheckedScene) -> f64 {
     if scene.has_coarse_grid() { 0.1 } else { 0.05 }
 }
 
 /// Share of its unevenness that still air takes out in a substep; 0 with the model `particles`, where hair takes the
 /// place of air.
-pub(crate) fn settling(scene: &Scene) -> f64 {
+pub(crate) fn settling(scene: &CheckedScene) -> f64 {
     match scene.interaction.model {
         Model::Particles => 0.0,
         _ => (SETTLING_RATE * scene.time.step / f64::from(scene.time.substeps)).min(1.0),

@@ -1,7 +1,7 @@
 //! Strands and segments as the shaders see them (`shaders/common/rod.wgsl`).
 
 use glam::{DQuat, DVec3};
-use windswept_scene::{End, Hair, InitialState, Scene, Strands};
+use windswept_scene::{CheckedScene, End, Hair, InitialState, Strands};
 use windswept_shaders::common::rod::{
     Pin, Point, PointHistory, ROOT_HELD, ROOT_JOINT, Root, Segment, SegmentHistory, Strand, StrandHistory, TIP_HELD,
     TIP_JOINT,
@@ -18,7 +18,7 @@ const ROUNDS: u32 = 30_000;
 
 /// The motion of a strand's roots, and the centre that it turns about, in local coordinates; none of a strand of no
 /// group.
-fn motion<'a>(scene: &'a Scene, initial: &InitialState, s: usize) -> Option<(usize, &'a Hair, DVec3)> {
+fn motion<'a>(scene: &'a CheckedScene, initial: &InitialState, s: usize) -> Option<(usize, &'a Hair, DVec3)> {
     let group = *initial.hair.group.get(s)? as usize;
     let hair = scene.hair.get(group).filter(|hair| !hair.motion.keyframes.is_empty())?;
     Some((group, hair, hair.center() - initial.origin))
@@ -26,7 +26,7 @@ fn motion<'a>(scene: &'a Scene, initial: &InitialState, s: usize) -> Option<(usi
 
 /// Per strand.
 #[must_use]
-pub(crate) fn strands(scene: &Scene, initial: &InitialState, motions: &Motions) -> Vec<Strand> {
+pub(crate) fn strands(scene: &CheckedScene, initial: &InitialState, motions: &Motions) -> Vec<Strand> {
     let hair = &initial.hair;
     let strand = |s: usize| {
         let ends = hair.ends(s);
@@ -113,7 +113,7 @@ pub(crate) fn strand_histories(initial: &InitialState) -> Vec<StrandHistory> {
 
 /// Where each strand is held, its motion at the start taken out.
 #[must_use]
-pub(crate) fn root_targets(scene: &Scene, initial: &InitialState) -> Vec<Root> {
+pub(crate) fn root_targets(scene: &CheckedScene, initial: &InitialState) -> Vec<Root> {
     let hair = &initial.hair;
     let target = |(s, x): (usize, DVec3)| {
         let (x, back) = unmoved(scene, initial, s, x);
@@ -124,7 +124,7 @@ pub(crate) fn root_targets(scene: &Scene, initial: &InitialState) -> Vec<Root> {
 
 /// Local place \[m\] of what is at `x` in the world when the run starts, with the motion of its strand's roots at the
 /// start taken out, and the rotation that takes it out.
-fn unmoved(scene: &Scene, initial: &InitialState, s: usize, x: DVec3) -> (DVec3, DQuat) {
+fn unmoved(scene: &CheckedScene, initial: &InitialState, s: usize, x: DVec3) -> (DVec3, DQuat) {
     let x = x - initial.origin;
     let Some((_, group, center)) = motion(scene, initial, s) else { return (x, DQuat::IDENTITY) };
     let (translation, rotation) = group.motion.at(0.0);
@@ -134,7 +134,7 @@ fn unmoved(scene: &Scene, initial: &InitialState, s: usize, x: DVec3) -> (DVec3,
 
 /// Pins of hair points: of tips that are held.
 #[must_use]
-pub(crate) fn pins(scene: &Scene, initial: &InitialState) -> Vec<Pin> {
+pub(crate) fn pins(scene: &CheckedScene, initial: &InitialState) -> Vec<Pin> {
     let hair = &initial.hair;
     let mut pins = vec![Pin::default(); hair.positions.len()];
     for s in 0..hair.len() {
@@ -188,7 +188,7 @@ pub(crate) fn sweeps_per_dispatch(iterations: u32, hair: &Strands) -> u32 {
 
 /// Newton steps that a scene's strands may take: half as many again among bodies.
 #[must_use]
-pub(crate) fn newton_steps(scene: &Scene) -> u32 {
+pub(crate) fn newton_steps(scene: &CheckedScene) -> u32 {
     if scene.bodies.is_empty() { scene.rods.newton } else { scene.rods.newton + scene.rods.newton / 2 }
 }
 

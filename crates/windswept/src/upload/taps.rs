@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use windswept_scene::Turbulence;
+use windswept_scene::CheckedTurbulence;
 use windswept_shaders::common::smoothing::ROW;
 
 /// Two taps in a row: of the Gaussian, and of its second derivative \[1/m²\].
@@ -36,7 +36,7 @@ fn kept(k: f64) -> f64 {
 /// Returns the offset of the first tap with them. The zeros at the end are for the row of nodes that a pass makes at
 /// once.
 pub(crate) fn taps(nodes: usize, spacing: f64, scale: f64) -> (i32, Vec<Taps>) {
-    let high = Turbulence::reach(spacing / scale).min(nodes / 2);
+    let high = CheckedTurbulence::reach(spacing / scale).min(nodes / 2);
     let (low, high) = (high.min((nodes - 1) / 2) as i32, high as i32);
     let wave = |m: usize| TAU * m as f64 / nodes as f64;
     let mut fit = Fit::new(high as usize);
