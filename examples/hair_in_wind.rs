@@ -26,7 +26,7 @@ fn blown(gpu: &Gpu, hair: &Hair, points: u32, damping: f64) -> Result<Simulation
     let (bend, poissons_ratio) = (hair.bend_stiffness(), 0.38);
     let stiffness = Stiffness::Direct(StrandStiffness { stretch, bend, twist: bend / 1.38, poissons_ratio });
     let fibre = Fibre { radius: hair.radius, stiffness, ..Fibre::default() };
-    let strand = Strand::drawn_on(1, points, hair.length, Roots::disc([0.0; 3], 1e-9));
+    let strand = Strand::drawn(1, points, hair.length, Roots::disc([0.0; 3], 1e-9));
     scene.hair = vec![Strand { fibre, ..strand }];
     let mut simulation = Simulation::new(gpu, &scene)?;
     simulation.step((1.5 / STEP) as u64)?;

@@ -30,7 +30,7 @@ impl Storm {
         // Default: a real hair.
         let real = Fibre::default();
         let fibre = Fibre { density: self.mass * real.density, fibres_per_strand: self.fibres, ..real };
-        let hair = Hair::drawn_on(12, 9, 0.05, Roots::disc([0.04, 0.06, 0.015], 0.012));
+        let hair = Hair::drawn(12, 9, 0.05, Roots::disc([0.04, 0.06, 0.015], 0.012));
         scene.hair = vec![Hair { fibre, ..hair }];
         scene
     }

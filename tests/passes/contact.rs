@@ -153,6 +153,11 @@ fn body(shape: Shape, keyframes: &[(f64, [f64; 3], [f64; 3])]) -> Body {
     Body { name: "body".into(), shape, friction: 0.4, motion }
 }
 
+/// The bodies with names of their own.
+fn named(bodies: Vec<Body>) -> Vec<Body> {
+    bodies.into_iter().enumerate().map(|(i, body)| body.named(i.to_string())).collect()
+}
+
 /// Scene of a sphere at rest, a capsule that tumbles by, a thin one that rests askew and a sphere that overlaps the
 /// first.
 fn scene() -> Scene {
@@ -164,7 +169,7 @@ fn scene() -> Scene {
         body(bone([0.03, 0.0, 0.0], [0.0, 0.03, 0.035], 0.001), &[]),
         body(Shape::sphere([0.03, 0.018, 0.02], 0.005), &tumble[..1]),
     ];
-    Scene { bodies, ..support::scene() }
+    Scene { bodies: named(bodies), ..support::scene() }
 }
 
 /// The bodies of [`scene`] as meshes, all but the last, and the second twice: two bodies of one grid.
@@ -176,6 +181,7 @@ fn meshes() -> Scene {
     let mut again = scene.bodies[1].clone();
     again.motion = Motion::default();
     scene.bodies.push(again);
+    scene.bodies = named(scene.bodies);
     scene
 }
 
@@ -193,7 +199,7 @@ fn place_is_that_of_the_reference() {
     let long = [(0.0, [0.0; 3], [0.0; 3]), (2.0 * hour, [0.2, 0.1, 0.0], [0.0, 0.0, PI - 1e-9])];
     let shape = Shape::capsule([0.4, 0.2, 0.1], [0.4, 0.5, -0.1], 0.05);
     let bodies = [&spin[..], &long, &spin[..1], &[]].map(|keyframes| body(shape.clone(), keyframes)).to_vec();
-    let scene = Scene { bodies: [meshes().bodies, bodies].concat(), ..support::scene() };
+    let scene = Scene { bodies: named([meshes().bodies, bodies].concat()), ..support::scene() };
     let initial = support::particles(64, 20, Layout::Random, 1);
     let fixture = Fixture::new(&scene, &initial);
     let (mut worst, mut slowest) = (0.0_f64, 0.0_f64);
@@ -309,15 +315,15 @@ fn begin_is_that_of_the_reference() {
 fn among_strands(speed: f64) -> Vec<Body> {
     let at = |group: f64, x: f64, y: f64| [x, 0.1 + y, group];
     let comes = [(0.0, [0.0; 3], [0.0; 3]), (0.1, [0.0, 0.1 * speed, 0.03 * speed], [0.0; 3])];
-    let tumbles = [(0.0, [0.0; 3], [0.0; 3]), (0.1, [0.05 * speed, 0.0, 0.0], [0.3 * speed, 0.0, 1.2])];
+    let tumbles = [(0.0, [0.0; 3], [0.0; 3]), (0.1, [0.05 * speed, 0.0, 0.0], [(0.3 * speed).min(2.8), 0.0, 1.2])];
     let ball = |center, radius| Shape::sphere(center, radius);
-    vec![
+    named(vec![
         body(ball(at(0.0, 0.07, -0.01), 0.03), &[]),
         body(ball(at(1.0, 0.06, -0.06), 0.03), &comes),
         body(Shape::capsule(at(2.0, 0.05, 0.02), at(2.05, 0.05, 0.02), 0.015), &tumbles),
         body(Shape::capsule(at(2.95, 0.05, 0.0), at(3.1, 0.05, 0.02), 0.002), &[]),
         body(ball(at(3.0, 0.0, 0.0), 0.02), &[]),
-    ]
+    ])
 }
 
 /// Strands that fall and are thrown among bodies, step after step: contacts, moves, frames and what lasts. Rounding

@@ -362,8 +362,8 @@ fn fringe_is_that_of_the_reference() {
 
 /// A force field of each shape: they overlap in a box of 40 mm or more, and one of them is by keyframes.
 pub fn fields() -> Vec<Force> {
-    let force = |field, axis, origin: [f64; 3], reach: f64, strength| Force {
-        name: String::new(),
+    let force = |field: ForceField, axis, origin: [f64; 3], reach: f64, strength| Force {
+        name: field.word().to_owned(),
         field,
         origin,
         axis,

@@ -82,7 +82,7 @@ pub const ROWS: &[Row] = &[
             let got = b.fixture.vectors(&b.state().confinement_total)[0] / air;
             (got - turbulence::mean(b.p(), &b.w.confinement)).length()
         },
-        SPEED,
+        WIND,
     ),
     (
         "turbulence/strengthen",

@@ -30,7 +30,7 @@ fn figures_have_the_papers_parameters() {
         {
             let scene = load(&file);
             let initial = InitialState::new(&scene).unwrap();
-            let drawn = scene.hair[0].drawn().unwrap();
+            let drawn = scene.hair[0].as_drawn().unwrap();
             assert_eq!((scene.time.step, scene.method), (1.38e-3, Method::Accurate), "{file}");
             assert_eq!((drawn.strands, drawn.length), (strands, length), "{file}");
             let points = if strands == 550 {

@@ -51,7 +51,7 @@ impl Setting {
         let bounds = Some(Bounds { min: [-0.05, -0.06, -0.0145], max: [0.075, 0.018, 0.0145] });
         let air = windswept_scene::Air::default().wind([REAL.wind, 0.0, 0.0]);
         scene.air = Some(windswept_scene::Air { bounds, ramp: 0.0, ..air });
-        scene.hair = vec![Hair::drawn_on(1, 35, REAL.length, Roots::disc([0.0; 3], 1e-9))];
+        scene.hair = vec![Hair::drawn(1, 35, REAL.length, Roots::disc([0.0; 3], 1e-9))];
         let mut initial = InitialState::new(&scene)?;
         initial.air.velocities.fill(DVec3::X * REAL.wind);
         Ok((scene, initial))

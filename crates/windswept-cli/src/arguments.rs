@@ -69,6 +69,8 @@ Examples:
       how far its tips swing, how fast, how much its strands turn and gather
   windswept check --explain
       every key there is, with its default and its meaning
+  windswept check --schema > windswept.schema.json
+      what an editor needs to complete keys, with a first line `#:schema windswept.schema.json` in the scene
   windswept plan scene.toml
       the passes of a step, and why some are skipped
   windswept groom info curly.hair
@@ -91,13 +93,16 @@ pub(crate) enum Command {
     /// Read a scene, say what was understood, and write nothing
     Check {
         /// Scene file (TOML)
-        #[arg(value_name = "SCENE", required_unless_present = "explain")]
+        #[arg(value_name = "SCENE", required_unless_present_any = ["explain", "schema"])]
         path: Option<PathBuf>,
         #[command(flatten)]
         changes: Changes,
         /// Print every key there is: its default, meaning and unit; needs no SCENE
         #[arg(long)]
         explain: bool,
+        /// Print a JSON schema of scene files, by which editors complete keys and underline mistakes; needs no SCENE
+        #[arg(long, conflicts_with_all = ["explain", "path", "sets"])]
+        schema: bool,
     },
     /// Print the passes of one step: how often each runs and what it moves, or why it is skipped (needs no GPU)
     Plan {

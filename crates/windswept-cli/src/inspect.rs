@@ -40,6 +40,13 @@ pub(crate) fn check(
     Ok(())
 }
 
+/// `windswept check --schema`.
+pub(crate) fn schema(console: &mut Console<'_>) -> Result<(), Failure> {
+    let text = serde_json::to_string_pretty(&windswept_scene::schema());
+    console.print_lines(&text.map_err(|error| Failure::Input(error.to_string()))?);
+    Ok(())
+}
+
 fn summary(scene: &CheckedScene, initial: &InitialState) -> Result<Vec<(&'static str, String)>, Failure> {
     let schedule = Schedule::new(&scene.time, None);
     let (hair, air) = (&initial.hair, &initial.air);
@@ -60,7 +67,7 @@ fn summary(scene: &CheckedScene, initial: &InitialState) -> Result<Vec<(&'static
         "hair",
         format!("{} strands that stand for {fibres} fibres, {} points", hair.len(), hair.positions.len()),
     ));
-    for (group, file) in (0..).zip(&scene.hair).filter_map(|(group, hair)| Some((group, hair.file()?))) {
+    for (group, file) in (0..).zip(&scene.hair).filter_map(|(group, hair)| Some((group, hair.as_file()?))) {
         let name = Path::new(&file.file).file_name().unwrap_or_default().to_string_lossy().into_owned();
         rows.push(("groom", format!("{name}: {}", shown_box(hair.bounds(Some(group)).map(|x| x.to_array()), "m"))));
     }

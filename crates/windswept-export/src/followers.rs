@@ -157,7 +157,7 @@ impl Followers {
             match &file {
                 Some(curves) => made.of_file(&group, curves, of_file(count, curves.len())),
                 None => {
-                    let drawn = hair.and_then(|index| scene.hair[index].drawn());
+                    let drawn = hair.and_then(|index| scene.hair[index].as_drawn());
                     made.between(&group, Ground::new(scene, drawn.map(|drawn| &drawn.roots)), &each)?;
                 }
             }
@@ -410,7 +410,7 @@ fn parts(scene: &CheckedScene, strands: usize, groom: Option<&Curves>) -> Result
     if groom.is_some() {
         return Ok(own());
     }
-    let drawn: usize = scene.hair.iter().filter_map(Hair::drawn).map(|drawn| drawn.strands as usize).sum();
+    let drawn: usize = scene.hair.iter().filter_map(Hair::as_drawn).map(|drawn| drawn.strands as usize).sum();
     if drawn > strands || scene.hair.is_empty() {
         return Ok(own());
     }

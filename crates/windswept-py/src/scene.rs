@@ -59,7 +59,7 @@ impl Scene {
     /// Raises:
     ///     SceneError: an unknown key, with the nearest name; a value that its key does not take.
     #[pyo3(signature = (**changes))]
-    fn replace(&self, py: Python<'_>, changes: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
+    pub(crate) fn replace(&self, py: Python<'_>, changes: Option<&Bound<'_, PyDict>>) -> PyResult<Self> {
         let mut sets = Vec::new();
         for (key, value) in changes.into_iter().flatten() {
             let key: String = key.extract()?;

@@ -343,6 +343,33 @@ impl Simulation {
         self.run_engine(py, |sim| sim.set_wind(wind))
     }
 
+    /// Goes on with another scene, or with other values under dotted keys, from the next step on; the state stays.
+    ///
+    ///     sim.update(**{"turbulence.scale": 0.012, "gravity": [0, -3, 0]})
+    ///     sim.update(scene)
+    ///
+    /// Wind, gusts, fields, bands, viscosity, gravity, damping, stiffness and radius of fibres, motions and the camera
+    /// may change; strands, points, bodies, the box of air, the step, model and solvers may not. With `sim.scene` as it
+    /// is now the values are those of a new simulation. Roots, pins and a force that were set stay, and so does a wind
+    /// that was set, unless the scene's wind changes.
+    ///
+    /// Raises:
+    ///     SceneError: a fault of the scene, or the key of a value that a simulation keeps.
+    #[pyo3(signature = (scene=None, **changes))]
+    fn update(&self, py: Python<'_>, scene: Option<&Scene>, changes: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
+        let mut next = match scene {
+            Some(scene) => scene.clone(),
+            None => self.scene(py)?,
+        };
+        if changes.is_some() {
+            next = next.replace(py, changes)?;
+        }
+        self.engine(py, |sim| sim.update(&next.inner))?.map_err(|error| of_start(py, &error))?;
+        // The camera may be another one.
+        lock(&self.renderer).take();
+        Ok(())
+    }
+
     /// A force of your own, from the next step on until another one is set: accelerations of hair points and air
     /// particles. Without arguments nothing is pushed any more.
     ///

@@ -25,7 +25,7 @@ impl SceneValues {
     /// from it, or where its box is cut to the hair.
     #[must_use]
     pub fn counts(&self, groom: Option<&Groom>) -> Counts {
-        let drawn = || self.hair.iter().filter_map(Hair::drawn);
+        let drawn = || self.hair.iter().filter_map(Hair::as_drawn);
         let [strands, hair_points] = match groom {
             Some(groom) => [groom.simulated().count(), groom.simulated_points()].map(|count| count as u64),
             None => [

@@ -46,6 +46,12 @@ impl SceneError {
         Self(Box::new(Fault { message, ..Fault::default() }))
     }
 
+    /// The fault of a key, by its path.
+    #[must_use]
+    pub fn of_key(key: &str, message: &str) -> Self {
+        Self::new(message).at(key, None)
+    }
+
     /// One error of several faults; `None` where there is none.
     pub(crate) fn of_all(faults: impl IntoIterator<Item = Self>) -> Option<Self> {
         let mut faults = faults.into_iter();

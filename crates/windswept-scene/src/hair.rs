@@ -54,7 +54,7 @@ pub(crate) fn strands(
             }
         }
     }
-    if scene.hair.iter().all(|hair| hair.drawn().is_some()) {
+    if scene.hair.iter().all(|hair| hair.as_drawn().is_some()) {
         all.ids.clear();
     }
     Ok(all)

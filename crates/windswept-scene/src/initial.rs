@@ -218,7 +218,7 @@ fn rooted_outside(scene: &SceneValues, hair: &Strands, bodies: &[CheckedShape]) 
                 let fault = |key: String| SceneError::new(words).at(key, None);
                 return Err(match hair.group(strand, scene) {
                     None => fault(place),
-                    Some(group) if group.drawn().is_some() => fault(format!("{place}.roots")),
+                    Some(group) if group.as_drawn().is_some() => fault(format!("{place}.roots")),
                     Some(_) => fault(format!("{place}.scale")).with_help(sizes(hair, strand, &body.name, shape)),
                 });
             }

@@ -1,6 +1,7 @@
 //! A scene from text or a file, with assignments.
 
 use std::{
+    collections::BTreeMap,
     fs::{self, File},
     io::Read,
     path::Path,
@@ -170,6 +171,19 @@ impl Scene {
             }
             _ => self.called_by_name(error),
         }
+    }
+
+    /// Keys of which the other scene has another value, by their real paths (`hair.0.radius`), those of one scene alone
+    /// included.
+    #[must_use]
+    pub fn changed(&self, other: &Self) -> Vec<String> {
+        let values = |scene: &Self| {
+            let document = Document::parse(&scene.to_toml(), None, &Faults::default()).unwrap_or_default();
+            document.entries.into_iter().map(|(key, entry)| (key, entry.datum)).collect::<BTreeMap<_, _>>()
+        };
+        let (own, others) = (values(self), values(other));
+        let keys = own.keys().chain(others.keys().filter(|key| !own.contains_key(*key)));
+        keys.filter(|key| own.get(*key) != others.get(*key)).cloned().collect()
     }
 
     /// Every key with its kind, unit, default and meaning, a line each.

@@ -437,7 +437,7 @@ impl SceneValues {
     /// Roots on a body whose hair has no keyframes of its own move as the body does.
     fn move_roots_with_bodies(&mut self, at: &At<'_>) {
         for i in 0..self.hair.len() {
-            let Some(Roots::Mesh(scalp)) = self.hair[i].drawn().map(|drawn| &drawn.roots) else { continue };
+            let Some(Roots::Mesh(scalp)) = self.hair[i].as_drawn().map(|drawn| &drawn.roots) else { continue };
             match self.scalp(scalp).map(|(body, ..)| body.motion.clone()) {
                 Ok(motion) if self.hair[i].motion.keyframes.is_empty() => self.hair[i].motion = motion,
                 Ok(_) => {}
@@ -509,7 +509,7 @@ impl Scene {
         let mut points = 0u64;
         for (i, hair) in self.hair.iter().enumerate() {
             let (before, most) = (points, u64::from(MAX_HAIR_POINTS));
-            points += hair.drawn().map_or(0, |drawn| u64::from(drawn.strands) * u64::from(drawn.points));
+            points += hair.as_drawn().map_or(0, |drawn| u64::from(drawn.strands) * u64::from(drawn.points));
             if before <= most && points > most {
                 at.fault(&format!("hair.{i}.strands"), format!("makes {points} hair points; expected at most {most}"));
             }

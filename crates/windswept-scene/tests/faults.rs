@@ -235,9 +235,9 @@ fn set(text: &str, assignments: &[&str]) -> Result<CheckedScene, SceneError> {
 
 #[test]
 fn an_assignment_changes_its_key() {
-    assert_eq!(set(QUICK, &["hair.length=0.2"]).unwrap().hair[0].drawn().unwrap().length, 0.2);
-    assert_eq!(set(QUICK, &["hair.0.length = 0.2"]).unwrap().hair[0].drawn().unwrap().length, 0.2);
-    assert_eq!(set(QUICK, &["hair.length=0.2", "hair.length=0.3"]).unwrap().hair[0].drawn().unwrap().length, 0.3);
+    assert_eq!(set(QUICK, &["hair.length=0.2"]).unwrap().hair[0].as_drawn().unwrap().length, 0.2);
+    assert_eq!(set(QUICK, &["hair.0.length = 0.2"]).unwrap().hair[0].as_drawn().unwrap().length, 0.2);
+    assert_eq!(set(QUICK, &["hair.length=0.2", "hair.length=0.3"]).unwrap().hair[0].as_drawn().unwrap().length, 0.3);
     assert_eq!(set(QUICK, &["air.box.max=[0.2,0.12,0.07]"]).unwrap().air.as_ref().unwrap().bounds.unwrap().max[0], 0.2);
     assert_eq!(set(QUICK, &["method=published"]).unwrap().method, windswept_scene::Method::Published);
     assert_eq!(set(QUICK, &["title=\"a = b\""]).unwrap().title, "a = b");

@@ -140,7 +140,7 @@ fn what_a_file_leaves_out_has_its_default() {
     let (radius, density, point_mass) = (4e-5, 1320.0, None);
     let fibre = Fibre { radius, taper: 0.0, aspect: 1.0, density, fibres_per_strand: 1.0, stiffness, point_mass };
     assert_eq!((hair.fibre, Fibre::default()), (fibre, fibre));
-    let drawn = hair.drawn().unwrap();
+    let drawn = hair.as_drawn().unwrap();
     let Roots::Disc(patch) = &drawn.roots else { panic!("{drawn:?}") };
     assert_eq!((drawn.curl, patch.direction), (None, [0.0, -1.0, 0.0]));
     assert_eq!((air.rest_density, air.particle_mass, air.kernel_radius), (1.29, 1.46e-7, 9.3e-3));
@@ -268,7 +268,7 @@ fn a_scene_written_out_is_the_same_scene() {
     }
     // Directions keep their bits, though normalising twice may change the last.
     let direction = |scene: &CheckedScene| {
-        let Roots::Disc(patch) = &scene.hair[0].drawn().unwrap().roots else { panic!("{scene:?}") };
+        let Roots::Disc(patch) = &scene.hair[0].as_drawn().unwrap().roots else { panic!("{scene:?}") };
         patch.direction
     };
     for i in 1..200 {

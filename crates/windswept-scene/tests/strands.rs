@@ -101,7 +101,7 @@ fn straight_strands_have_the_default_frame() {
         ("[1,1,0]", DVec3::new(1.0, -1.0, 0.0) / 2.0_f64.sqrt()),
     ] {
         let (scene, state) = brush(&["interaction.model=none", &format!("hair.roots.direction={direction}")]);
-        let Roots::Disc(patch) = &scene.hair[0].drawn().unwrap().roots else { panic!("{scene:?}") };
+        let Roots::Disc(patch) = &scene.hair[0].as_drawn().unwrap().roots else { panic!("{scene:?}") };
         let d3 = DVec3::from_array(patch.direction);
         for frame in state.hair.root_frame.iter().chain(&state.hair.orientations) {
             assert!((frame.length() - 1.0).abs() < 1e-14);

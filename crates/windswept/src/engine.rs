@@ -268,7 +268,9 @@ impl Engine {
     }
 
     fn note_written(&self, array: &AnyArray) {
-        if array.lasts() && RESET.bindings.iter().any(|binding| binding.name == array.name()) {
+        // The status says nothing of hair.
+        let is_of_hair = array.lasts() && array.name() != self.state.status.name();
+        if is_of_hair && RESET.bindings.iter().any(|binding| binding.name == array.name()) {
             self.hair_was_written.store(true, Ordering::Relaxed);
         }
     }

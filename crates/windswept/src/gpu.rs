@@ -78,6 +78,30 @@ pub fn wanted_features(adapter: &wgpu::Adapter) -> wgpu::Features {
 }
 
 impl Gpu {
+    /// Opens a device on the best adapter: discrete before integrated before virtual before software.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn best() -> Result<Self, GpuError> {
+        Self::new(&AdapterChoice::Best)
+    }
+
+    /// Opens a device on a software rasteriser.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn software() -> Result<Self, GpuError> {
+        Self::new(&AdapterChoice::Software)
+    }
+
+    /// Opens a device on the adapter whose name contains this, whatever the case.
+    ///
+    /// # Errors
+    /// As [`Self::new`].
+    pub fn named(name: &str) -> Result<Self, GpuError> {
+        Self::new(&AdapterChoice::Named(name.to_owned()))
+    }
+
     /// Opens a device on the chosen adapter.
     ///
     /// # Errors

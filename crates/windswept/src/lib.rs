@@ -5,26 +5,31 @@
 //! the method as published, which takes `"pbf"`, both are one fluid (Demura, Fujisawa & Mikawa 2019). The five things
 //! that a program does with this crate:
 //!
-//! * **Embed.** [`Gpu::new`] opens an adapter, [`Gpu::from_device`] takes a device that the program has already. A
-//!   [`windswept_scene::Scene`], read from a file or made in code, becomes a [`Simulation`], of the scene's own strands
-//!   or of a groom ([`Simulation::with_groom`]).
+//! * **Embed.** [`Gpu::best`] opens an adapter, [`Gpu::from_device`] takes a device that the program has already. A
+//!   [`Scene`], made in code or read from a file, becomes a [`Simulation`], of the scene's own strands or of a groom
+//!   ([`Simulation::with_groom`]).
 //! * **Step.** [`Simulation::step`] runs steps and waits for them; [`Simulation::encode_steps`] and
-//!   [`Simulation::finish_steps`] put them into the program's own command encoder. [`Simulation::set_roots`],
-//!   [`Simulation::set_wind`] and
-//!   [`Simulation::set_force`] drive it between steps.
+//!   [`Simulation::finish_steps`] put them into the program's own command encoder. [`Simulation::update`],
+//!   [`Simulation::set_roots`], [`Simulation::set_wind`] and [`Simulation::set_force`] change it between steps.
 //! * **Read.** [`Simulation::frame`] is the state as arrays, [`Simulation::report`] what ran, how fast and how well.
 //! * **Keep.** [`Simulation::save`] writes all that lasts from step to step into a file, [`Simulation::load`] goes on
 //!   from it with the same bits.
 //! * **Draw.** [`Simulation::buffers`] are the positions and frames on the GPU, to be drawn without a copy. Pictures
 //!   are made by the crate `windswept-export`.
 //!
-//! ```no_run
-//! use windswept::{AdapterChoice, Gpu, Simulation};
-//! use windswept_scene::Scene;
+//! ```
+//! use windswept::{Air, Gpu, Hair, Roots, Scene, Simulation, Time, Turbulence};
 //!
-//! let scene = Scene::load("examples/scenes/quick.toml")?;
-//! let mut simulation = Simulation::new(&Gpu::new(&AdapterChoice::Best)?, &scene)?;
-//! simulation.step(100)?;
+//! let mut scene = Scene::new(Time::new(1.38e-3, 1.0));
+//! let roots = Roots::disc([0.056, 0.065, 0.035], 0.017).toward([1.0, 0.1, 0.0]);
+//! scene.hair.push(Hair::drawn(60, 11, 0.10, roots));
+//! scene.air = Some(Air::filling([0.16, 0.12, 0.07]).wind([3.0, 0.0, 0.0]));
+//! scene.turbulence = Turbulence::scale(0.006);
+//! let mut simulation = Simulation::new(&Gpu::best()?, &scene)?; // checks the scene; a fault names `hair.points`
+//! simulation.step(3)?;
+//! scene.turbulence = Turbulence::scale(0.018);
+//! simulation.update(&scene)?; // larger eddies from the next step on
+//! simulation.step(3)?;
 //! println!("{} hair points after {} s", simulation.frame()?.hair.positions.len(), simulation.time());
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -54,6 +59,15 @@ mod upload;
 
 /// The crate whose vectors and quaternions this one takes.
 pub use glam;
+
+/// Parts of a scene, and a scene as it is checked.
+pub use windswept_scene::{
+    Air, AirPicture, AsChecked, Band, Body, Bounds, Camera, Cap, Capsule, CheckedScene, Curl, DirectFilter, Drawn, End,
+    Fibre, Filter, Fluid, FluidSolver, Force, ForceField, GridFilter, Groom, GroomFile, Gust, Hair, HairSource, Inflow,
+    InitialState, Integrator, Interaction, Keyframe, Law, LookAt, MeshFile, Method, Model, Moduli, Motion, Patch,
+    Picture, Rods, Roots, Scalp, Scene, SceneError, Shape, Solid, Solver, Sphere, Stiffness, StrandStiffness, Strength,
+    Time, Turbulence, Up, Viscosity, ViscosityForm,
+};
 
 pub use engine::required_limits;
 pub use error::{CheckpointError, Error, GpuError, RunError};

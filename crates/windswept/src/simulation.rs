@@ -9,6 +9,7 @@ mod recover;
 mod report;
 pub(crate) mod sections;
 mod trace;
+mod update;
 
 use std::{sync::OnceLock, time::Instant};
 

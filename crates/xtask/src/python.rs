@@ -9,7 +9,8 @@ use crate::{Result, cargo, root, run, say, system, venv};
 /// PyPI packages by which tests read our files with other people's readers, as users do.
 pub(crate) const READERS: [&str; 5] = ["numpy", "h5py", "vtk", "pillow", "usd-core; python_version >= '3.11'"];
 /// Other packages that the Python package's tests and users import, and maturin, which builds it.
-const OTHERS: [&str; 7] = ["maturin", "pytest", "pytest-xdist", "mypy", "matplotlib", "distributed", "tqdm"];
+const OTHERS: [&str; 8] =
+    ["maturin", "pytest", "pytest-xdist", "mypy", "matplotlib", "distributed", "tqdm", "jsonschema"];
 
 /// `cargo xtask python`.
 pub(crate) fn provide() -> Result {

@@ -72,7 +72,7 @@ impl Groom {
 fn drawn_radius(scene: &CheckedScene, group: usize, per_strand: usize) -> f32 {
     let hair = &scene.hair[group];
     let radius = hair.fibre.radius as f32;
-    let spread = hair.drawn().and_then(|drawn| Some((drawn.strands as usize, scene.spread_of_roots(&drawn.roots)?)));
+    let spread = hair.as_drawn().and_then(|drawn| Some((drawn.strands as usize, scene.spread_of_roots(&drawn.roots)?)));
     spread.map_or(THICKER[0] * radius, |(strands, spread)| {
         let needed = COVER * spread as f32 / (strands * per_strand) as f32;
         needed.clamp(THICKER[0] * radius, THICKER[1] * radius)

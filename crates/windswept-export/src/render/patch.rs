@@ -34,7 +34,7 @@ pub(super) fn corners(scene: &CheckedScene, time: f64) -> Vec<Corner> {
 
 /// Groups whose roots are on a patch: what a groom file grows from is not known, and bodies are drawn anyway.
 pub(super) fn patches(scene: &CheckedScene) -> impl Iterator<Item = (&Hair, RootPatch)> {
-    scene.hair.iter().filter_map(|hair| Some((hair, hair.drawn()?.roots.patch()?)))
+    scene.hair.iter().filter_map(|hair| Some((hair, hair.as_drawn()?.roots.patch()?)))
 }
 
 /// Triangles of every group's patch.

@@ -204,7 +204,7 @@ impl Hair {
 
     /// Parameters that the strands are drawn by; `None` where they come from a file.
     #[must_use]
-    pub fn drawn(&self) -> Option<&Drawn> {
+    pub fn as_drawn(&self) -> Option<&Drawn> {
         match &self.source {
             HairSource::Drawn(drawn) => Some(drawn),
             HairSource::File(_) => None,
@@ -213,7 +213,7 @@ impl Hair {
 
     /// The groom file that the strands come from; `None` where they are drawn.
     #[must_use]
-    pub fn file(&self) -> Option<&GroomFile> {
+    pub fn as_file(&self) -> Option<&GroomFile> {
         match &self.source {
             HairSource::Drawn(_) => None,
             HairSource::File(file) => Some(file),
@@ -222,7 +222,7 @@ impl Hair {
 
     /// A group of this many strands of `points` points, `length` \[m\] long, on `roots`.
     #[must_use]
-    pub fn drawn_on(strands: u32, points: u32, length: f64, roots: Roots) -> Self {
+    pub fn drawn(strands: u32, points: u32, length: f64, roots: Roots) -> Self {
         Self::of(HairSource::Drawn(Drawn {
             strands,
             points,
@@ -257,7 +257,9 @@ impl Hair {
     /// mesh file.
     #[must_use]
     pub fn center(&self) -> DVec3 {
-        self.drawn().and_then(|drawn| drawn.roots.patch()).map_or(DVec3::ZERO, |patch| DVec3::from_array(patch.center))
+        self.as_drawn()
+            .and_then(|drawn| drawn.roots.patch())
+            .map_or(DVec3::ZERO, |patch| DVec3::from_array(patch.center))
     }
 }
 

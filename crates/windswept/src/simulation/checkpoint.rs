@@ -78,7 +78,7 @@ pub(super) type Files = Vec<(String, Option<u32>)>;
 /// The groom files and meshes of a scene, as they are now.
 pub(super) fn files(scene: &CheckedScene) -> Files {
     let grooms =
-        scene.hair.iter().enumerate().filter_map(|(k, hair)| Some((scene.scene().called(k), &hair.file()?.file)));
+        scene.hair.iter().enumerate().filter_map(|(k, hair)| Some((scene.scene().called(k), &hair.as_file()?.file)));
     let meshes = scene
         .bodies
         .iter()

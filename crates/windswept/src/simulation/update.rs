@@ -1,0 +1,143 @@
+//! A simulation that goes on with another scene.
+
+use windswept_scene::{AsChecked, CheckedScene, InitialState, SceneError};
+
+use super::{Origin, Simulation};
+use crate::error::{Error, GpuError};
+
+/// Keys, without indices and names, whose values a simulation keeps: they say what there is, or where it starts, or by
+/// which steps and solvers it goes.
+const FIXED: &[&str] = &[
+    "method",
+    "seed",
+    "time.step",
+    "time.substeps",
+    "hair.name",
+    "hair.strands",
+    "hair.points",
+    "hair.length",
+    "hair.length_variation",
+    "hair.curl",
+    "hair.curl_phase",
+    "hair.roots",
+    "hair.file",
+    "hair.scale",
+    "hair.up",
+    "hair.rest",
+    "hair.file_radius",
+    "hair.file_guides",
+    "hair.points_per_strand",
+    "hair.root",
+    "hair.tip",
+    "hair.seed",
+    "body.name",
+    "body.shape",
+    "body.center",
+    "body.start",
+    "body.end",
+    "body.radius",
+    "body.file",
+    "body.scale",
+    "body.up",
+    "body.resolution",
+    "air.box",
+    "air.margin",
+    "air.rest_density",
+    "air.particle_mass",
+    "air.jitter",
+    "air.seed",
+    "interaction.model",
+    "fluid.solver",
+    "rods.solver",
+    "rods.integrator",
+];
+
+impl Simulation {
+    /// Goes on with another scene from the next step on. The state stays as it is, and so do roots, pins and a force
+    /// that were set; a wind that was set stays where the scenes' winds are the same. What follows from the scene is
+    /// what a new simulation of it has, so that a simulation that has not stepped yet has the same bits as a new one.
+    ///
+    /// Gravity, wind, gusts, inflow, force fields, bands, viscosity, friction, damping, stiffness, radius and density
+    /// of fibres, keyframes of hair and bodies, camera and picture may differ; what there is may not. The buffers on
+    /// the device are made anew: [`Self::buffers`] are others afterwards, and both exist for a moment.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] for a scene with faults, and with the key of a value that a simulation keeps, such as
+    /// `hair.strands`; [`Error::Gpu`] where the new buffers do not fit the adapter. The simulation is as it was before.
+    pub fn update(&mut self, scene: &impl AsChecked) -> Result<(), Error> {
+        let scene = scene.as_checked()?;
+        let changed = self.scene.scene().changed(scene.scene());
+        let is_fixed = |key: &&String| {
+            let path: Vec<&str> = key.split('.').filter(|name| name.parse::<usize>().is_err()).collect();
+            let path = path.join(".");
+            let of =
+                |fixed: &&str| path.strip_prefix(*fixed).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
+            // A table that comes or goes.
+            ["hair", "body", "air"].contains(&&*path) || FIXED.iter().any(|fixed| of(&fixed))
+        };
+        if let Some(key) = changed.iter().find(is_fixed) {
+            let words = "expected the value that the simulation began with: start another simulation to change it";
+            return Err(Error::Scene(SceneError::of_key(key, words)));
+        }
+        if changed.is_empty() && self.wind_set.is_none() {
+            return Ok(());
+        }
+        let mut next = self.with_scene(&scene, &changed)?;
+        (next.callback, next.trace) = (self.callback.take(), self.trace.take());
+        *self = next;
+        Ok(())
+    }
+
+    /// The simulation with another scene.
+    fn with_scene(&self, scene: &CheckedScene, changed: &[String]) -> Result<Self, Error> {
+        let gpu = self.gpu();
+        // Hair of a caller's own is no scene's.
+        let own = self.scene.hair.is_empty();
+        let initial = if own { self.initial.clone() } else { InitialState::new(scene)? };
+        if self.last.step == 0 && self.wind_set.is_none() && !self.hair_was_set() && self.callback.is_none() && !own {
+            return Self::started(gpu, scene, initial, Origin::Validated);
+        }
+        let (air, origin) = (self.initial.air.clone(), self.initial.origin);
+        let initial = InitialState { air, origin, ..initial };
+        let winds = ["air.wind", "air.gust", "air.ramp"];
+        let blows_anew = changed.iter().any(|key| winds.iter().any(|wind| key.starts_with(wind)));
+        let mut next = Self::build(gpu, scene, initial, Origin::Validated)?;
+        next.plan_force(self.plan.conditions.pushes.runs)?;
+        let kept = self.engine.state().lasting();
+        for array in next.engine.state().lasting() {
+            let winds = array.name() == next.engine.state().wind_table.name() && blows_anew;
+            let Some(before) = kept.iter().find(|before| before.name() == array.name()).filter(|_| !winds) else {
+                continue;
+            };
+            if before.len() == array.len() {
+                next.engine.write_bytes(&array, &self.engine.read_bytes(before)?)?;
+            }
+        }
+        if self.plan.recovers_strands() {
+            next.plan.recover_strands();
+        }
+        next.keep(self)?;
+        if let Some(wind) = self.wind_set.filter(|_| !blows_anew) {
+            next.plan_wind(wind)?;
+        }
+        next.record_again()?;
+        Ok(next)
+    }
+
+    /// Whether hair was written since the start.
+    fn hair_was_set(&self) -> bool {
+        self.plan.recovers_strands() || self.engine.hair_was_written()
+    }
+
+    /// Takes over how far the simulation is, and what it says of itself.
+    fn keep(&mut self, before: &Self) -> Result<(), GpuError> {
+        self.last = self.engine.status()?;
+        self.root_frames.clone_from(&before.root_frames);
+        (self.first_substep, self.steps, self.batches) = (before.first_substep, before.steps, before.batches);
+        (self.setup_ms, self.first_step_ms) = (before.setup_ms, before.first_step_ms);
+        self.step_ms.clone_from(&before.step_ms);
+        (self.recovered, self.wind_at_start) = (before.recovered, before.wind_at_start);
+        self.resets.clone_from(&before.resets);
+        Ok(())
+    }
+}
