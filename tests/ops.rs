@@ -63,7 +63,7 @@ fn free_space_is_a_box_without_images() {
     }
 }
 
-/// Without particles there is nothing to do; a lone particle has its own density and is no one's neighbour.
+/// Without particles there is nothing to do; a lone particle has its own density and no neighbour.
 #[test]
 fn none_and_one_are_answered() {
     let gpu = support::gpu();

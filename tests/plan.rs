@@ -1,4 +1,4 @@
-//! Passes that run for each kind of scene; a pass that is left out would have changed nothing.
+//! Passes that run for each kind of scene; a pass that is left out would have changed no result.
 #![allow(clippy::unwrap_used)]
 
 mod support;
@@ -17,7 +17,7 @@ fn scene(sets: &[&str], without: Option<&str>) -> CheckedScene {
         scene.hair.clear();
     }
     let checked = scene.check().unwrap();
-    // No scene has the model two-way and no air, but the state that somebody starts from may have none.
+    // No scene has the model two-way and no air, but the state that a caller starts from may have none.
     if without == Some("air") { checked.assuming(|_, values| values.air = None) } else { checked }
 }
 

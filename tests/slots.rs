@@ -1,4 +1,4 @@
-//! Air in the order of cells: who is where in memory changes from step to step, and nobody outside the engine notices.
+//! Air in the order of cells: the order in memory changes from step to step, and a caller sees stable ids.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod support;

@@ -51,7 +51,7 @@ const SCENES: [(&str, &str, &[&str]); 16] = [
     // The box has ten times the volume of fig2b's.
     ("2 million particles", "fig2b.toml", &["time.substeps=1", "air.box.max=[1.0,0.4,0.575]"]),
 ];
-/// Scenes that run where nobody names one: between them they have every stage but contact, and are short.
+/// Scenes that run by default: between them they have every stage but contact, and are short.
 const USUAL: [&str; 4] = ["quick", "published", "rods", "fig2b small"];
 
 #[derive(clap::Args, Default)]

@@ -57,7 +57,7 @@ path = os.path.join(folder, "scene.json")
 with open(path, "w") as file:
     json.dump(scene, file)
 
-# What it prints while it starts must not be taken for times.
+# Output from its start must not be taken for times.
 out = os.dup(1)
 os.dup2(2, 1)
 

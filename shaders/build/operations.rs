@@ -2,9 +2,9 @@
 //!
 //! An operation is an addition, a multiplication, a division, a comparison, a root or any other function of a number,
 //! per component; a dot product of n components has 2n − 1. Of the two ways of a branch the longer one counts. A loop
-//! of a fixed number of turns counts so often. The loop over a batch of neighbours (`common/clusters.wgsl`) is counted
-//! apart, since the host knows how many batches there are. Of any other loop nobody knows the turns here: it counts
-//! once, and the pass says that it does more.
+//! of a fixed number of iterations counts so often. The loop over a batch of neighbours (`common/clusters.wgsl`) is
+//! counted apart, since the host knows how many batches there are. Any other loop has an unknown number of iterations:
+//! it counts once, and `more` is set.
 
 use naga::{
     BinaryOperator, Block, Expression, Function, Handle, Literal, LocalVariable, MathFunction, Module, Scalar,
@@ -28,7 +28,7 @@ pub(crate) struct Operations {
     pub(crate) own_batch: u64,
     /// In each batch of the other kind.
     pub(crate) other_batch: u64,
-    /// Whether there is a loop of which nobody knows the turns, which counts once.
+    /// Whether there is a loop with an unknown number of iterations, which counts once.
     pub(crate) more: bool,
 }
 

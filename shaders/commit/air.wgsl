@@ -1,5 +1,5 @@
-// Commits air in the order of cells, so that it lies in memory as it lies in the box: positions, velocities, and who is
-// in each slot.
+// Commits air in the order of cells, so that its order in memory follows the box: positions, velocities, and the stable
+// id in each slot.
 import package::common::{params::params, dispatch::{invocation, WORKGROUP}, cells::wrap, status::frozen};
 
 @group(0) @binding(2) var<storage, read>       sorted:         array<u32>;

@@ -1,5 +1,5 @@
-// Commits what the air has given each body, and counts the steps in which air beside bodies does not keep its density,
-// or goes too far: where that lasts the step is too long for the body.
+// Commits the impulse of the air on each body, and counts the steps in which air beside bodies does not keep its
+// density, or goes too far: if that lasts, the step is too long for the body.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::{status, frozen, count, AIR_BESIDE},
 };

@@ -1,7 +1,7 @@
-// Freezes the step when a particle of air or a point of hair is not finite or faster than anything can be, or when too
-// many strands were reset, and counts the hair points outside the box of air. Hair is lost here only where
-// `commit/hold`, which holds such strands, did not run: the step is taken again with it. Also keeps which particle is
-// in each slot of air, since `commit/air` writes that in a new order.
+// Freezes the step when a particle of air or a point of hair is not finite or faster than FAST, or when too many
+// strands were reset, and counts the hair points outside the box of air. An invalid hair point gets here only if
+// `commit/hold`, which holds such strands, did not run: the step is replayed with it. Also copies the stable id of each
+// slot of air, since `commit/air` writes these ids in a new order.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, cells::{is_air, cell_of, in_box},
     validity::can_be,
@@ -24,11 +24,12 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if air { air_id_before[slot] = air_id[slot]; }
     let bad = !can_be(predicted[i].xyz, final_velocity[i].xyz);
     let outside = !air && params.box_cells > 0u && !in_box(cell_of(predicted[i].xyz));
-    // The first particle is_leader for all. Few others have something to say, and only those ask for the status.
+    // Invocation 0 makes the checks that concern the whole step; any other goes on only if its own particle is invalid
+    // or outside the box.
     if !(i == 0u || bad || outside) { return; }
     if status.ended != 0u { return; }
-    // Where an earlier pass froze the step, the scratch arrays mean nothing. Where this one found hair that is lost,
-    // the step is taken again whatever else there is to find.
+    // If an earlier pass froze the step, the scratch arrays hold no result. If this pass found an invalid hair point,
+    // the step is replayed, and the other checks are made then.
     if (atomicLoad(&status.causes) & (NEIGHBOUR_OVERFLOW | UNRECOVERED_STRAND)) != 0u { return; }
     if i == 0u && atomicLoad(&status.failed_strands) > params.failed_strand_limit {
         freeze(TOO_MANY_FAILED_STRANDS);

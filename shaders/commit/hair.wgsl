@@ -1,7 +1,6 @@
-// History of hair points for the next step: their move, this step's first velocity with all that acted from outside
-// since, and what rounding leaves off the position. What was put somewhere starts anew, but for a sleeper's velocity of
-// the step before: what presses a sleeper all the time must not kick it when it wakes, and BDF2 takes a third of the
-// change of it.
+// History of hair points for the next step: their move, this step's first velocity with the changes by external forces
+// since, and the remainder that rounding leaves off the position. A placed point gets an empty history; a sleeping one
+// keeps the velocity of the step before, since BDF2 would take a third of its change as a kick.
 import package::common::{
     params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, integration::{KINEMATIC, HOLD},
     rod::{RodPoint, PointHistory}, place::placed,

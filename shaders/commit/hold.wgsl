@@ -1,5 +1,5 @@
-// A strand of which a position is not finite at the end of the step, or a velocity is not or exceeds what anything can
-// have, ends the step at rest where it began, and is reset in the next, like a strand that `rods/update` holds.
+// A strand of which a position is not finite at the end of the step, or a velocity is not or exceeds FAST, ends the
+// step at rest where it began, and is reset in the next, like a strand that `rods/update` holds.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, integration::KINEMATIC,
     rod::{Strand, RodStrand, RodSegment, FAILED}, validity::can_be,
@@ -14,7 +14,7 @@ import package::common::{
 @group(0) @binding(6) var<storage, read_write> final_velocity: array<vec4f>;
 @group(0) @binding(7) var<storage, read_write> rod_segments:   array<RodSegment>;
 
-// The first point of a stretch whose position or velocity is lost.
+// The first point of a range whose position or velocity is invalid.
 fn lost(strand: Strand, own: Stretch) -> u32 {
     for (var k = own.begin; k < own.end; k++) {
         let p = strand.first_point + k;

@@ -1,5 +1,5 @@
-// Commits the step of hair, and what is one for all: positions, velocities, the counters and the step's number. A
-// frozen step leaves all as it was.
+// Commits the step of hair, positions and velocities, and the scalars of the run, the counters and the step's number. A
+// frozen step leaves them as they were.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, mean::{air_particles, taken_out},
     status::{status, frozen, COUNTERS, HAIR_OUTSIDE, NO_POINT},
@@ -12,7 +12,7 @@ const LONG: f32 = 0.1;          // s
 @group(0) @binding(3) var<storage, read>       final_velocity: array<vec4f>;
 @group(0) @binding(4) var<storage, read_write> position:       array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> velocity:       array<vec4f>;
-// sum of what confinement changed velocities by [m/s]
+// sum of the changes of velocity by confinement [m/s]
 @group(0) @binding(6) var<storage, read>       confinement_total:   array<vec4f>;
 @group(0) @binding(7) var<storage, read_write> confinement_impulse: array<vec4f>;   // one, of the run [kg m/s]
 

@@ -1,10 +1,10 @@
-// Articulated bodies (Featherstone 2008, Rigid Body Dynamics Algorithms, ch. 7): what lies beyond a point acts on it,
+// Articulated bodies (Featherstone 2008, Rigid Body Dynamics Algorithms, ch. 7): the bodies beyond a point act on it,
 // moved by x and turned by theta, by the force A (x, theta) + b. Seen through a spring of stiffness K that resists by
 // f, it acts by
 //
 //   A' = K (A + K)^-1 A,   b' = b - A (A + K)^-1 (b + f)      the spring gives by -(A + K)^-1 (b + f + A (x, theta))
 //
-// Nothing is subtracted that is nearly equal: a stiff spring leaves A as it is, a soft one leaves K. So f32 suffices.
+// No term subtracts nearly equal numbers: a stiff spring leaves A as it is, a soft one leaves K. So f32 suffices.
 //
 // A force on a tip that is held adds B of it to b. It moves the tip by -Omega, Omega = sum B^T (A + K)^-1 B over all
 // springs on the way; the others move it by -sum B^T (A + K)^-1 (b + f).
@@ -13,7 +13,8 @@ import package::common::{
     symmetric::{Symmetric, applied, applied_to_columns, dyad, full, inverse_of, minus, plus, symmetric_product},
 };
 
-// A, b and B are cut into those of one kind, moves or turns, which the next spring resists, and those of the other.
+// A, b and B are split into the components of one kind, moves or rotations, which the next spring resists, and those of
+// the other.
 struct Beyond {
     own: Symmetric,        // A
     other: Symmetric,

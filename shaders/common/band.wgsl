@@ -1,4 +1,4 @@
-// One band of eddies, and the stretch of the box that one dispatch of the filter covers.
+// One band of eddies, and the part of the box that one dispatch of the filter covers.
 
 struct Band {
     scale: f32,            // scale of the eddies: s of the Mexican hat [m]

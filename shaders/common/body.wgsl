@@ -1,8 +1,8 @@
 // Bodies: all points within a radius of a line, the axis, or all points that a mesh encloses. A sphere's axis is a
 // point, and so is a mesh's: the origin of its file. A mesh is a grid of signed distances, trilinear between the nodes.
 //
-// All that depends on a body's shape stands here: its parts, its place after a step (`place`), the signed distance of a
-// point and its gradient (`surface`, `near`).
+// This file has every function that depends on a body's shape: its place after a step (`place`), the signed distance of
+// a point and its gradient (`surface`, `near`).
 import package::common::{quaternion::{conjugate, product, rotate}, motion::Pose};
 
 struct Body {
@@ -52,7 +52,7 @@ fn place(body: Body, before: Pose, after: Pose) -> Placed {
     let now = center + after.translation;
     return Placed(
         now - half, body.radius, now + half, body.friction, now, center + before.translation,
-        // To the bit none, where it does not turn: a body that rests wakes no hair.
+        // Exactly the identity where the body does not turn: a body at rest wakes no hair.
         select(normalize(product(after.rotation, conjugate(before.rotation))), vec4f(0.0, 0.0, 0.0, 1.0),
             all(before.rotation == after.rotation)),
         normalize(product(after.rotation, body.rotation)), body.grid,
@@ -69,8 +69,8 @@ fn surface(body: Placed, x: vec3f) -> Surface {
     return near(body, x - body.center, vec3f(0.0));
 }
 
-// The surface seen from a place a way off another, which is given from the body's center [m]. A short way counts to its
-// own rounding, not to that of the place: hair at rest does not tremble.
+// The surface seen from the place `base + way` [m], with `base` relative to the body's center. A short `way` enters
+// with its own rounding error, not with that of the sum: hair at rest does not tremble.
 fn near(body: Placed, base: vec3f, way: vec3f) -> Surface {
     if is_mesh(body) {
         let back = conjugate(body.rotation);
@@ -94,7 +94,7 @@ fn near(body: Placed, base: vec3f, way: vec3f) -> Surface {
     let distance = (length(gap) - body.radius)
         + dot(moved, 2.0 * gap + moved) / max(length(gap) + r, 1e-6 * body.radius);
     if r > 1e-6 * body.radius { return Surface((gap + moved) / r, distance); }
-    // From the axis every direction across it leads out.
+    // On the axis any direction normal to it is an outward normal.
     let across = select(vec3f(axis.z, 0.0, -axis.x), vec3f(0.0, axis.z, -axis.y), abs(axis.x) > abs(axis.y));
     return Surface(select(vec3f(0.0, 1.0, 0.0), normalize(across), squared > 0.0), -body.radius);
 }
@@ -108,8 +108,8 @@ fn in_mesh(body: Placed, x: vec3f) -> vec3f {
     return rotate(conjugate(body.rotation), x - body.center);
 }
 
-// Distance from the surface of a grid, and the way in which it grows, a way off a place. Beyond the grid it is the
-// least that the distance at its side allows.
+// Distance from the surface of a grid, and its unit gradient, at `x + way`. Beyond the grid the distance is the least
+// that the distance at the grid's side allows.
 fn surface_of_grid(grid: Grid, x: vec3f, way: vec3f) -> Surface {
     let last = vec3f(grid.counts - 1u);
     let place = (x - grid.origin) / grid.spacing;
@@ -136,7 +136,7 @@ fn surface_of_grid(grid: Grid, x: vec3f, way: vec3f) -> Surface {
     let slope_y = along_x.yw - along_x.xz;
     let gradient = vec3f(mix(slope_x.x, slope_x.y, part.z), mix(slope_y.x, slope_y.y, part.z), along_y.y - along_y.x);
     let distance = mix(along_y.x, along_y.y, part.z);
-    // Where nothing is nearest every way leads out.
+    // Where the interpolated gradient vanishes the normal is +y, as good as any.
     let steep = length(gradient) > 1e-6 * grid.spacing;
     let normal = select(vec3f(0.0, 1.0, 0.0), gradient / length(gradient), steep);
     if all(beyond == vec3f(0.0)) { return Surface(normal, distance); }

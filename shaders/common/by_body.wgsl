@@ -1,5 +1,5 @@
-// The first pass of a sum for each body: partial sums of CHUNKS workgroups, in a fixed order. A pass says what a term
-// brings to a body, in `term`.
+// The first pass of a sum for each body: partial sums of CHUNKS workgroups, in a fixed order. A pass computes a term
+// for a body in `term`.
 import package::common::{dispatch::WORKGROUP, reduce::{partial_sum, total, WORKERS}};
 import package::pass::term;
 

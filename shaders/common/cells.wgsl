@@ -1,7 +1,7 @@
-// Where a position belongs.
+// Cells of positions.
 //
 // The box of air is cut into cells, numbered x first. Air is sorted into them, and hair into as many cells of its own
-// behind them. The box repeats: hair outside it is in the cell that it would be in by whole boxes, and whoever looks
+// behind them. The box repeats: hair outside it is in the cell that it would be in by whole boxes, and a search
 // there compares distances.
 import package::common::params::params;
 
@@ -51,7 +51,7 @@ fn buckets() -> u32 {
 
 fn wrap(position: vec3f) -> vec3f {
     let inside = position - params.box_size * floor(position / params.box_size);
-    // A quotient that is rounded up to a whole number leaves less than 0; what is rounded up to the box is its lower
-    // face.
+    // A quotient that is rounded up to a whole number leaves less than 0; one that is rounded up to the box is its
+    // lower face.
     return select(inside, vec3f(0.0), (inside >= params.box_size) | (inside < vec3f(0.0)));
 }

@@ -1,10 +1,10 @@
 // The loop over neighbours, which all passes share.
 //
-// A cluster is up to eight particles of one kind that are next to one another in the order of cells. One list says who
-// is nearer than the kernel radius to any of them. Its eight invocations, one per particle, read a batch of eight
-// entries at once, one each; then each of them meets all eight. A pass says what it needs of a neighbour, in
-// `load_neighbour`, and what a pair adds to its sums, in `accumulate`. A pair that was not nearer than the kernel
-// radius when the list was made does not meet, wherever it is by now.
+// A cluster is up to eight particles of one kind that are next to one another in the order of cells. Its list has the
+// particles nearer than the kernel radius to any of them. Its eight invocations, one per particle, read a batch of
+// eight entries at once, one each; then each invocation visits all eight. A pass reads a neighbour in `load_neighbour`,
+// and adds a pair's part to its sums in `accumulate`. A pair that was not nearer than the kernel radius when the list
+// was made is left out, wherever the particles are by now.
 import package::common::{params::{params, TWO_WAY}, cells::is_air, dispatch::{invocation, WORKGROUP}};
 import package::common::lanes::{Near, LANES, lane_of, publish, from_lane, largest_of_all};
 import package::common::list::{BATCHES, NOBODY, INDEX, NONE, IMAGE_BITS, FRAME_BITS, FAR, elements_of, heads};
@@ -22,18 +22,17 @@ struct Cluster {
 var<private> cluster: Cluster;
 var<private> place: u32;    // of the invocation in its workgroup
 var<private> box: vec3f;    // m, sides of the box of air
-var<private> frame: vec3f;  // m, by which the cluster is moved towards 0 to meet others
-var<private> meets: u32;    // bit by bit, which entries of the batch that is shown the invocation meets
-var<private> nobody: bool;  // the invocation reads for the others, and has no particle, or another one has it
-// a particle of the cluster, which is read where an entry is none: what it has is of the cluster's kind
+var<private> frame: vec3f;  // m, box shift: by how much the cluster is moved towards 0 to visit neighbours
+var<private> meets: u32;    // bit by bit, which entries of the published batch are neighbours of the particle
+var<private> nobody: bool;  // the invocation only reads for the others: it has no particle, or shares another's
+// a particle of the cluster, which is read in place of an unused entry, since its values are of the cluster's kind
 var<private> member: u32;
 
-// Clusters of hair are few and have long lists, through which a GPU waits for memory: there four times eight
-// invocations share a cluster in a pass that asks for it (`of_shared`), and each eight meet every fourth group of its
-// list.
+// Clusters of hair are few and have long lists, and their passes are bound by memory latency: in a pass that calls
+// `of_shared` four times eight invocations share a cluster, and each eight read every fourth group of its list.
 @if(subgroups && !software) const SHARE: u32 = 4u;
 
-// Of a list's groups an invocation meets this one, and then each that comes so many later.
+// First group of the list that an invocation reads, and the distance to its next one.
 @if(subgroups && !software) var<private> first_group: u32;
 @if(subgroups && !software) var<private> group_stride: u32 = 1u;
 @if(!subgroups || software) const first_group: u32 = 0u;
@@ -41,9 +40,8 @@ var<private> member: u32;
 
 @if(subgroups && !software) var<workgroup> all_sums: array<vec4f, WORKGROUP>;
 
-// The particle of an invocation that has this place in its page. The functions that meet go through its cluster from
-// now on. Where `has_none` says that the invocation has none, it is another one of the cluster, or another invocation
-// has it.
+// Particle at this place in the page; selects its cluster for the functions that visit neighbours. Where has_none()
+// holds, the index is another invocation's: do not write to it.
 fn take_particle(place_in_page: u32, local: u32) -> u32 {
     place = local;
     box = params.box_size;
@@ -61,7 +59,8 @@ fn has_none() -> bool {
     return nobody;
 }
 
-// The same in a pass over hair alone: where its workgroups fold into rows, the last ones are beyond hair and have air.
+// has_none() in a pass over hair alone: where its workgroups fold into rows, the last ones are beyond hair and have
+// air.
 fn has_no_hair(particle: u32) -> bool {
     return nobody || is_air(particle);
 }
@@ -76,7 +75,8 @@ fn of_air(id: vec3u, groups: vec3u) -> u32 {
     return params.page_of_hair + invocation(id, groups);
 }
 
-// In a pass over all or over hair, in which several invocations share a particle, which the first of them has.
+// The place in a pass over all clusters or over those of hair, in which several invocations share a particle: only the
+// first of them writes it.
 @if(subgroups && !software)
 fn of_shared(id: vec3u, groups: vec3u) -> u32 {
     let n = invocation(id, groups);
@@ -90,7 +90,7 @@ fn of_shared(id: vec3u, groups: vec3u) -> u32 {
     return of_all(id, groups);
 }
 
-// The sum of what those who share a particle have. Every invocation of the workgroup asks, from the same place.
+// Sum over the invocations that share a particle. Every invocation of the workgroup calls it, from the same place.
 @if(subgroups && !software)
 fn added_up(own: vec4f) -> vec4f {
     workgroupBarrier();
@@ -106,24 +106,24 @@ fn added_up(own: vec4f) -> vec4f {
     return own;
 }
 
-// In a pass over those that pressure acts on: with the model TWO_WAY air alone.
+// The place in a pass over the particles that pressure acts on: with the model TWO_WAY air alone.
 fn of_flow(id: vec3u, groups: vec3u) -> u32 {
     return select(of_all(id, groups), of_air(id, groups), params.model == TWO_WAY);
 }
 
-// Meets those of the own kind, or all unless the model is TWO_WAY, from where the particle is.
+// Visits the neighbours of the own kind, or all unless the model is TWO_WAY, of the particle at `at`.
 fn meet_own_kind(at: vec3f) {
     set_origin(at - frame);
     meet_batches(cluster.first, cluster.own);
 }
 
-// Meets those of the other kind, if the model is TWO_WAY, from where the particle is.
+// Visits the neighbours of the other kind, if the model is TWO_WAY, of the particle at `at`.
 fn meet_other_kind(at: vec3f) {
     set_origin(at - frame);
     meet_batches(cluster.first + elements_of(cluster.own), cluster.others);
 }
 
-// Meets those of its own kind, then those of the other kind, from where the particle is.
+// Visits the neighbours of the own kind, then those of the other kind, of the particle at `at`.
 fn meet_both_kinds(at: vec3f) {
     set_origin(at - frame);
     for (var part = 0u; part < 2u; part++) {
@@ -133,7 +133,8 @@ fn meet_both_kinds(at: vec3f) {
     }
 }
 
-// All that work in step take as many turns, whoever's list is longest.
+// All lanes of a subgroup or workgroup loop as often as the longest list needs, since lanes exchange data in every
+// iteration.
 fn meet_batches(first: u32, count: u32) {
     let lane = lane_of(place);
     let batches = largest_of_all(place, count);
@@ -162,14 +163,14 @@ fn meet_batches(first: u32, count: u32) {
     }
 }
 
-// The one that another of the eight has read, if it is a neighbour: else it is far.
+// Neighbour read by lane `other`; moved to FAR (kernel 0) if it is no neighbour of this particle.
 fn shown_to(other: u32) -> Near {
     var near = from_lane(other);
     near.at.x = select(FAR, near.at.x, (meets & (1u << other)) != 0u);
     return near;
 }
 
-// The neighbour of a batch that this invocation reads: the one of its entry.
+// The neighbour that this invocation reads for its cluster, by its entry of a batch.
 fn seen(entry: u32, there: bool) -> Near {
     let none = !there || entry == NOBODY;
     var near = load_neighbour(select(entry & INDEX, member, none));

@@ -6,9 +6,9 @@
 //   friction   F = F_old - k slip, no longer than mu f_lag
 //       slip: the way along the surface in the step, F_old: F of the step before
 //
-// W is the move of the place by a unit of force, as of a point. D is the depth that the place may keep in this step:
-// what starts inside comes out at RECOVERY. The multiplier lambda is f of the step before, or of the last Newton step
-// that settled with more than ALLOW left open: at rest the spring carries nothing, and the gap is 0 (augmented
+// W is the move of the place by a unit of force, as of a point. D is the depth that the place may keep in this step: a
+// place that starts inside comes out at RECOVERY. The multiplier lambda is f of the step before, or of the last Newton
+// step that settled with more than ALLOW left open: at rest the spring carries nothing, and the gap is 0 (augmented
 // Lagrangian; Hestenes 1969).
 import package::common::{
     params::params, quaternion::turned_by, rod::RodPoint, body::{Placed, Surface, near},
@@ -24,8 +24,8 @@ struct Contact {
     lag: f32,           // N, f_lag: f of the step before, or of the last Newton step that settled
     multiplier: f32,    // N, lambda
     before: f32,        // m, distance from the surface as the step begins
-    place: f32,         // part of the segment,
-    straight: f32,      // and the part that its ends alone would have it at, by which it moves in later Newton steps
+    place: f32,         // fraction of the segment
+    straight: f32,      // fraction by the normals at the ends alone; `place` moves with it in later Newton steps
     curve: f32,         // m, by which the place shifts along the segment as that turns by 1 rad
     tangential_stiffness: f32,   // N/m, of the friction
     linear: f32,        // N, f by the linear model of the last Newton step
@@ -48,11 +48,12 @@ const RECOVERY: f32 = 0.15;     // m/s, of hair that comes out of a body
 const ALLOW: f32 = 2e-5;        // m, phi + D that may be left open in a step
 // lengths of the segment, from the surface, at which a contact ends whatever the linear model says
 const STAYS: f32 = 0.1;
-const NOTICED: f32 = 1e-5;      // m: a push by less changes nothing that the solve has to settle
-const MIDDLE: f32 = 0.03;       // part of a segment from its ends, within which its points touch in its place
+const NOTICED: f32 = 1e-5;      // m: a push by less does not make the solve go on
+// fraction of the segment at each end within which the end point's contact is used instead of the segment's
+const MIDDLE: f32 = 0.03;
 const REFINED: u32 = 3u;        // times that the nearest place of a segment is refined
-const CLOSE: f32 = 0.002;       // part of a segment by which its nearest place may be off at first,
-const STANDS: f32 = 0.02;       // and by which it has to move in later Newton steps to be taken there
+const CLOSE: f32 = 0.002;       // fraction of the segment to which the search finds its nearest place
+const STANDS: f32 = 0.02;       // change of `straight` beyond which a later Newton step searches again
 const BENDS: f32 = 30.0;        // lengths of the segment: the longest curve
 const LAGS: f32 = 0.02;         // part by which f may differ from f_lag
 // rad: a strand that touches and turns by more takes all force for tension in its next Newton step
@@ -65,7 +66,7 @@ fn stiffness_of(effective_inverse_mass: f32) -> f32 {
     return max(STIFFNESS, OMEGA * OMEGA * params.step * params.step) / effective_inverse_mass;
 }
 
-// A place in the step: where it starts, what rounding left off that, its move [m], and W [m/N].
+// A place in the step: its start, the remainder that rounding left off the start, its move [m], and W [m/N].
 struct Place {
     start: vec3f,
     remainder: vec3f,
@@ -73,8 +74,8 @@ struct Place {
     effective_inverse_mass: f32,
 }
 
-// A way seen from a body that moves: from where the body would have carried the place to, from the body's center; both
-// after the step [m].
+// Move of a place relative to a body that moves [m]: `base` is where the body would have carried the place, relative to
+// the body's center after the step, `way` is the move from there.
 struct RelativeMove {
     base: vec3f,
     way: vec3f,
@@ -146,7 +147,7 @@ fn nearest(last: Contact, body: Placed, a: Place, b: Place, first: vec3f, second
     return found;
 }
 
-// A contact whose multiplier, and the force that limits its friction, are made what acts.
+// A contact whose multiplier, and the force that limits its friction, are set to its force.
 fn renewed(last: Contact) -> Contact {
     var contact = last;
     contact.lag = max(last.force, 0.0);

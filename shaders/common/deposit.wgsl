@@ -4,8 +4,8 @@
 //
 // A gather in a fixed order: a block of nodes is made from the rows of cells that reach it, by one lane or by some that
 // share it. Particles may be sorted into any cells that fill the box; a grid finer than those would read many particles
-// in vain. A pass reads a particle in `bring`, which returns its place in spacings, and adds what it has read to its
-// sums in `add`.
+// in vain. A pass reads a particle in `bring`, which returns its place in spacings, and adds the particle's values to
+// its sums in `add`.
 import package::common::mesh::{Mesh, Window, weights, window_of, node_index};
 import package::pass::{bring, add};
 
@@ -48,8 +48,8 @@ fn quotient(number: i32, inverse: f32) -> i32 {
     return i32(floor((f32(number) + 0.5) * inverse));
 }
 
-// Adds a lane's part of what reaches a block. There are `cells` in the box along each axis. A row of cells is read in
-// runs that end where the box repeats; on a GPU a lane finds its own by their numbers.
+// Adds a lane's part of the particles that reach a block. There are `cells` in the box along each axis. A row of cells
+// is read in runs that end where the box repeats; on a GPU a lane finds its own by their numbers.
 @if(subgroups && !software)
 fn deposit(block: vec3i, cells: vec3i, part: Part) {
     let nodes = mesh.nodes;

@@ -5,7 +5,7 @@
 //   v_(n+1) = (move - carry d)/h                                    Euler: v = v_n,               h = dt,     carry = 0
 //
 // A force f moves a point by w f h^2/(1 + c h), w its inverse mass: `response`. c is the scene's damping, and for a
-// point what resists its velocity as well.
+// point every resistance to its velocity as well.
 import package::common::params::params;
 
 // How a point or a segment goes through a step: by implicit Euler, by BDF2, put somewhere with no velocity, or asleep
@@ -43,7 +43,7 @@ fn rate(shift: vec3f, previous_move: vec3f, scheme: u32) -> vec3f {
 }
 
 // A GPU's quotient may be off by two units in the last place, by the same share for all that is divided by one number:
-// in thousands of steps strands would gain or lose momentum. What the quotient leaves is divided again. Mesa's software
+// in thousands of steps strands would gain or lose momentum. The remainder is divided again. Mesa's software
 // driver divides exactly, and its fma rounds twice.
 @if(!software)
 fn over(way: vec3f, h: f32) -> vec3f {

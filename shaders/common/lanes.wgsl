@@ -1,24 +1,24 @@
-// Eight invocations side by side show one another what each of them has read: by subgroup operations, or through the
-// workgroup's memory on a device whose subgroups may have fewer than eight lanes, or that has none. Invocations are
-// taken to be numbered in a subgroup as they are in the workgroup, which drivers do where workgroups have one
-// dimension.
+// The eight invocations of a cluster exchange the neighbours that each of them has read: by subgroup operations, or
+// through the workgroup's memory on a device whose subgroups may have fewer than eight lanes, or that has none.
+// Invocations are taken to be numbered in a subgroup as they are in the workgroup, which drivers do where workgroups
+// have one dimension.
 //
-// Software adapters (`software`) run the lanes of a subgroup instruction by instruction: what one has written the
-// others read without a barrier. A single barrier there makes all variables of a pass live in memory.
+// Software adapters (`software`) run the lanes of a subgroup instruction by instruction: a lane reads without a barrier
+// values that another has written. A single barrier there makes all variables of a pass live in memory.
 import package::common::dispatch::WORKGROUP;
 
 const LANES: u32 = 8u;             // invocations that work together, and particles of a cluster
 
-// A particle as its cluster reads it for all eight.
+// A neighbour as one lane reads it for all eight lanes of the cluster.
 struct Near {
     index: u32,      // of the particle
-    at: vec3f,       // m, where it is as seen from whoever meets it
+    at: vec3f,       // m, position of the periodic image that is the neighbour
     volume: f32,     // m^3
-    value: vec4f,    // what the pass needs of it,
-    more: vec4f,     // and more of that
+    value: vec4f,    // values of the particle that the pass needs,
+    more: vec4f,     // and more of them
 }
 
-// Place of an invocation among the eight.
+// Lane of an invocation, 0 to 7.
 fn lane_of(local: u32) -> u32 {
     return local & (LANES - 1u);
 }
@@ -30,7 +30,8 @@ fn lane_of(local: u32) -> u32 {
 @if(!subgroups) var<workgroup> one_for_all: u32;
 @if(!subgroups) var<private> shown_at: u32;
 
-// Shows the other seven what this invocation has. Every invocation of the workgroup calls it, from the same place.
+// Publishes this lane's neighbour to the other seven lanes. Every invocation of the workgroup calls it, from the same
+// place.
 @if(subgroups)
 fn publish(local: u32, near: Near) {
     shown = near;
@@ -43,7 +44,7 @@ fn publish(local: u32, near: Near) {
     workgroupBarrier();
 }
 
-// Value that another of the eight has published: of the lane whose number differs in the bits of `other`.
+// Neighbour that lane own ^ other has published.
 @if(subgroups)
 fn from_lane(other: u32) -> Near {
     return Near(
@@ -59,17 +60,17 @@ fn from_lane(other: u32) -> Near {
     return all_shown[shown_at ^ other];
 }
 
-// Values that each of the eight keeps for the others, by number.
+// Number of values that each lane keeps for the others.
 const KEPT: u32 = 12u;
 
-// its number in the subgroup, or in the workgroup; a pass sets it before it asks for what is kept
+// number of lane 0 in the subgroup, or in the workgroup; a pass sets it before it calls `kept`
 var<private> first_of_eight: u32;
 
 @if(subgroups) var<private> keeps: array<vec2u, KEPT>;
 @if(!subgroups) var<workgroup> all_keeps: array<array<vec2u, KEPT>, WORKGROUP>;
 
-// Keeps a value, by a number that is a constant. All eight keep theirs before any asks for one, and `lane_barrier` in
-// between.
+// Keeps a value under a number that is a constant. All eight lanes keep theirs before any calls `kept`, with
+// `lane_barrier` in between.
 @if(subgroups)
 fn keep(local: u32, number: u32, value: vec2u) {
     keeps[number] = value;
@@ -79,7 +80,7 @@ fn keep(local: u32, number: u32, value: vec2u) {
     all_keeps[local][number] = value;
 }
 
-// A value that one of the eight keeps. Every invocation of the workgroup asks, from the same place.
+// Value that a lane has kept. Every invocation of the workgroup calls it, from the same place.
 @if(subgroups)
 fn kept(number: u32, lane: u32) -> vec2u {
     return subgroupShuffle(keeps[number], first_of_eight + lane);
@@ -89,8 +90,8 @@ fn kept(number: u32, lane: u32) -> vec2u {
     return all_keeps[first_of_eight + lane][number];
 }
 
-// Makes writes of each of the eight to the workgroup's memory visible to the other seven. Every invocation
-// of the workgroup calls it, from the same place.
+// Makes writes of each lane to the workgroup's memory visible to the other seven. Every invocation of the workgroup
+// calls it, from the same place.
 @if(software)
 fn lane_barrier() {}
 @if(!software)
@@ -98,7 +99,7 @@ fn lane_barrier() {
     workgroupBarrier();
 }
 
-// Every bit that any of the eight has.
+// Bitwise or over the eight lanes.
 @if(subgroups)
 fn joined(local: u32, own: u32) -> u32 {
     var bits = own;
@@ -117,13 +118,12 @@ fn joined(local: u32, own: u32) -> u32 {
     return bits;
 }
 
-// A bit for each of the eight: whether it says yes.
+// One bit per lane: its `yes`.
 fn votes(local: u32, yes: bool) -> u32 {
     return joined(local, u32(yes) << lane_of(local));
 }
 
-// Turns a square of bits: bit k of the byte that an invocation gets is the bit with its own number of what another of
-// the eight has, of the one whose place differs in the bits of k.
+// Transposes the 8 x 8 bits that eight lanes hold, one row each; bit k of the result comes from lane own ^ k.
 @if(subgroups)
 fn turned(local: u32, bits: u32) -> u32 {
     let lane = lane_of(local);
@@ -150,7 +150,7 @@ fn turned(local: u32, bits: u32) -> u32 {
     return byte;
 }
 
-// Every bit that any of those that work in step with this invocation has.
+// Bitwise or over the subgroup, or over the workgroup without subgroups.
 @if(subgroups)
 fn bits_of_all(local: u32, bits: u32) -> u32 {
     return subgroupOr(bits);
@@ -168,7 +168,7 @@ fn bits_of_all(local: u32, bits: u32) -> u32 {
     return workgroupUniformLoad(&one_for_all);
 }
 
-// The largest of the counts of all that work in step with this invocation.
+// Largest count of the subgroup, or of the workgroup without subgroups.
 @if(subgroups)
 fn largest_of_all(local: u32, count: u32) -> u32 {
     return subgroupMax(count);
@@ -189,7 +189,7 @@ fn largest_of_all(local: u32, count: u32) -> u32 {
 @if(subgroups && !software) var<workgroup> most: atomic<u32>;
 @if(subgroups && !software) var<workgroup> all_most: u32;
 
-// The largest of the counts of a workgroup, or of all that work in step where no barrier needs more. A pass asks once.
+// Largest count of the workgroup, or of the subgroup where no barrier needs more. A pass calls it once.
 @if(subgroups && !software)
 fn largest_in_workgroup(local: u32, count: u32) -> u32 {
     atomicMax(&most, count);

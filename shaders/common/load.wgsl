@@ -1,4 +1,4 @@
-// c of a hair point: the scene's damping, and what resists its velocity.
+// c of a hair point: the scene's damping, and the resistance to its velocity.
 import package::common::{params::params, rod::RodPoint};
 
 fn damping_of(point: RodPoint) -> f32 {

@@ -1,11 +1,11 @@
 // A grid over the periodic box, with nodes at multiples of the spacing, numbered x first, and the window that carries
-// what particles have to them and back: the band filter's grid, and the coarse one of the pressure.
+// values of particles to them and back: the band filter's grid, and the coarse one of the pressure.
 
 struct Mesh {
     nodes: vec3i,            // number of nodes along each axis
     window: u32,             // QUADRATIC of the coarse grid, MITCHELL of the band filter
     spacing: vec3f,          // distance between nodes along each axis [m]
-    gain: f32,               // factor of what is gathered: -e/2 s^2 over the volume of a cell [1/m]
+    gain: f32,               // factor of the gathered sum: -e/2 s^2 over the volume of a cell [1/m]
     axis: u32,               // axis that this dispatch transforms along: 0 is x, 1 is y, 2 is z
     nearest: i32,            // node that the first tap is for, counted from the first node that is made
     first_tap: u32,          // index of the first pair of taps in `taps`

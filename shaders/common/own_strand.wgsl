@@ -1,4 +1,4 @@
-// With whom a hair point exchanges nothing.
+// Points of a hair point's own strand, with which it exchanges no velocity.
 import package::common::{params::{params, TWO_WAY}, cells::is_air, rod::Point};
 
 @group(0) @binding(4) var<storage, read> points: array<Point>;

@@ -1,4 +1,4 @@
-// Whose a hair point is, where bodies push it: found among the strands, which such passes read in any case.
+// Strand of a hair point, for passes in which bodies push hair: found among the strands, which they read in any case.
 import package::common::{params::params, rod::Strand};
 
 @group(0) @binding(4) var<storage, read> strands: array<Strand>;

@@ -10,7 +10,7 @@ struct Pair {
     slope: f32,      // 1/m^5, of Spiky: grad_i W is this times the gap
     kernel: f32,     // 1/m^3, W of Poly6
     coincide: bool,  // they lie on one another
-    value: vec4f,    // what the pass needs of the neighbour,
+    value: vec4f,    // values of the neighbour that the pass needs,
     more: vec4f,     // and more of that
 }
 
@@ -30,7 +30,7 @@ var<private> steepest: f32;      // 1/m^4, slope of Spiky at r = 0: -45/(pi h^4)
 var<private> steepest_per: f32;  // 1/m^5, that over h
 var<private> height: f32;        // 1/m^3, Poly6 at r = 0: 315/(64 pi h^3)
 
-// From here on the particle is at a place. What all its pairs share is found once.
+// Sets the particle's position, and the kernel factors that all its pairs share.
 fn set_origin(at: vec3f) {
     let h = params.kernel_radius;
     here = at;
@@ -44,7 +44,7 @@ fn meet_four(a: Near, b: Near, c: Near, d: Near) -> Four {
     let gaps = mat4x3f(here - a.at, here - b.at, here - c.at, here - d.at);
     let squares = per_square
         * vec4f(dot(gaps[0], gaps[0]), dot(gaps[1], gaps[1]), dot(gaps[2], gaps[2]), dot(gaps[3], gaps[3]));
-    // Lengths are those over h. Particles that lie on one another have no direction: the slope is what it tends to.
+    // Lengths are those over h. Particles that lie on one another have no direction: the slope is its limit at r = 0.
     let per_length = inverseSqrt(max(squares, vec4f(NEAREST)));
     let left = max(1.0 - squares * per_length, vec4f(0.0));
     let slopes = steepest_per * left * left * per_length;

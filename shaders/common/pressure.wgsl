@@ -3,20 +3,20 @@ import package::common::{params::{params, TWO_WAY}, cells::is_air, matter::inver
 
 // Effect of the pressure in the last step, from which the next one starts.
 struct Pressed {
-    change: vec3f,   // m/s, what pressure changed the velocity by
+    change: vec3f,   // m/s, change of the velocity by pressure
     pressure: f32,   // m^2/s, lambda: pressure over density, times the step
 }
 
-// A symmetric matrix B that corrects the gradients of the kernel at a particle, and how the particle's divergence gives
-// way.
+// A symmetric matrix B that corrects the gradients of the kernel at a particle, and the response of the particle's
+// divergence.
 struct Gradients {
     diagonal: vec3f,       // of B: xx, yy, zz
     response: f32,         // 1/m^2, a: change of the divergence by a unit of the particle's own pressure
     off_diagonal: vec3f,   // of B: yz, zx, xy
 }
 
-// A symmetric matrix by which a particle pushes its neighbours, lambda B/V [1/(m s)], and the divergence that it
-// answers.
+// A symmetric matrix by which a particle pushes its neighbours, lambda B/V [1/(m s)], and the divergence against
+// which it acts.
 struct Stress {
     diagonal: vec3f,
     divergence: f32,       // 1/s, s: the rate at which density rises, over the density

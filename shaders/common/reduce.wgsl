@@ -2,8 +2,8 @@
 // (`reduce/total`). Up to eight sums are made at once.
 //
 // Each of the workgroup's first eight lanes adds its own sum and those of every eighth lane after it, in this order;
-// then the eight sums are added in pairs. On a software adapter (`software`) the first eight invocations make the terms
-// of all lanes: it runs eight at once in any case, and takes long to compile a pass with a barrier.
+// then these eight sums are added in pairs. On a software adapter (`software`) the first eight invocations make the
+// terms of all lanes: it runs eight at once in any case, and takes long to compile a pass with a barrier.
 import package::common::{dispatch::WORKGROUP, lanes::LANES};
 
 const TERMS: u32 = 16u;   // terms of a lane, in a sum over particles
@@ -18,7 +18,7 @@ const TERMS: u32 = 16u;   // terms of a lane, in a sum over particles
 
 @if(!software) var<workgroup> sums: array<mat2x4f, WORKGROUP>;
 
-// Sum of what every invocation has from its lanes; only invocation 0 may use it.
+// Sum of the `own` of every invocation of the workgroup; only invocation 0 may use it.
 @if(!software)
 fn total(local: u32, own: mat2x4f) -> mat2x4f {
     sums[local] = own;

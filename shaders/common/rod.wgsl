@@ -7,9 +7,9 @@
 // clamped tip has one of its own.
 //
 // Words:
-//   placed       put somewhere instead of moved: it arrives without a velocity and remembers nothing
+//   placed       set to a place instead of integrated: it has no velocity and no history there
 //   resting      all points and frames close to where the strand came to rest, in this step
-//   sleeping     resting for so long that it is not integrated until something wakes it
+//   sleeping     resting for so long that it is not integrated until a push, a clamp or a body wakes it
 //   invalid      it has a value that is not finite, or that no strand can have, when the step begins
 //   reset        it was not finite: placed in its rest shape
 //   teleported   its root jumped farther than it is long: placed there in the shape that it had
@@ -29,7 +29,7 @@ struct Strand {
     keyframes: u32,            // 0: the host says where its root goes
     still_way: f32,            // m, that a point of it may go while it is at rest
     still_time: f32,           // s, for which it must have been still before it sleeps
-    still_acceleration: f32,   // m/s^2, of what pushes it, below which it stays at rest
+    still_acceleration: f32,   // m/s^2, of a push, below which it stays at rest
 }
 
 // The limits of the direct solver.
@@ -67,19 +67,19 @@ struct Segment {
 // How a strand is from step to step.
 struct Condition {
     failed: u32,       // FAILED, INVALID: to be reset; 0: valid
-    strained: u32,     // steps of over-strain on end
+    strained: u32,     // consecutive steps of over-strain
     bdf2_ready: u32,   // 1: the step before was integrated, or slept through
-    resting: u32,      // steps on end at rest; SLEEPS
+    resting: u32,      // consecutive steps at rest; SLEEPS
 }
 
 const FAILED: u32 = 1u;    // found by its step after the solve, and counted: the next step resets it
 const INVALID: u32 = 2u;   // found by a step as it begins, and counted: the same step resets it
 const SLEEPS: u32 = 0xffffffffu;
 const NO_PIN: u32 = 0xffffffffu;
-const STRAINED_STEPS: u32 = 50u;   // on end, before it is counted
+const STRAINED_STEPS: u32 = 50u;   // consecutive, before over-strain is counted
 const STRAINED: f32 = 0.05;        // |l/l0 - 1|
 
-// Steps of over-strain on end after a step that stretched by this much, when there were `before`.
+// Consecutive steps of over-strain after a step with this stretch, when there were `before`.
 fn strained_steps(before: u32, stretch: f32) -> u32 {
     return select(0u, min(before + 1u, STRAINED_STEPS + 1u), stretch > STRAINED);
 }
@@ -100,7 +100,7 @@ struct RodStrand {
     scheme: u32,                // of `integration`, if it is integrated: EULER, BDF2
     condition: Condition,       // as the step found it so far; `commit/frames` commits it
     pin_force: vec3f,           // N, that holds it at its last pin
-    embedded: u32,              // points, from the root on, that bodies let be
+    embedded: u32,              // points, from the root on, that have no contact (`rods/contacts`)
     meets: u32,                 // 1: it may meet a body in this step
     woken: u32,                 // 1: a body that moves reaches it
     comes_out: u32,             // 1: it starts the step deeper in a body than it comes out in a step
@@ -117,22 +117,23 @@ const SOLVED: u32 = 1u;       // solved, or reset
 const TELEPORTED: u32 = 2u;   // moved as a whole
 const ASLEEP: u32 = 3u;       // stays where it is
 
-// A point within a step. One that is placed felt no force on its way: force, resistance and outside are 0.
+// A point within a step. In a strand that is reset, teleported or held force, resistance and external_dv are 0.
 struct RodPoint {
     start: vec4f,                  // xyz: position at the step's start [m], w: volume [m^3]
-    remainder: vec3f,              // m, what rounding left off the position, and what makes the strand whole there
+    remainder: vec3f,              // m, left off the position by rounding, and the shift that makes the strand whole
     inverse_mass: f32,             // 1/kg
-    velocity: vec3f,               // m/s, v_n with what acts from outside in this step
+    velocity: vec3f,               // m/s, v_n and external_dv
     weight: f32,                   // over that of the mass that it moves with
-    // m/s, v_(n-1) with the same; from `rods/update` on v_n, with what contact adds as well
+    // m/s, v_(n-1) and external_dv; from `rods/update` on v_n, with the change by contact as well
     before: vec3f,
     scheme: u32,                   // of `integration`: EULER, BDF2, KINEMATIC, HOLD
     previous_move: vec3f,          // m, the move of the step before
-    resistance: f32,               // kg/s, from outside, to its velocity at the step's end
-    force: vec3f,                  // N, from outside, on the point at rest
+    resistance: f32,               // kg/s, external, to its velocity at the step's end
+    force: vec3f,                  // N, external, on the point at rest
     effective_inverse_mass: f32,   // m/N, W: the move that a force of the rod makes; 0 where the point is held
-    external_dv: vec3f,            // m/s, all that acts from outside in this step
-    impulse_change: vec3f,         // m/s, what of it did not act while the strand came to rest
+    external_dv: vec3f,            // m/s, change by external forces in this step
+    // m/s, external_dv less its value while the strand came to rest: the change that may wake it
+    impulse_change: vec3f,
     free: vec3f,                   // m, the move without the rod's forces; of a held point, where it is held
     displacement: vec3f,           // m, the move
     rest_drift: vec3f,             // m, from where it was when the strand became still
@@ -157,14 +158,16 @@ struct RodSegment {
 // History of a point, beside its position and velocity.
 struct PointHistory {
     displacement: vec3f,   // m, the last step's move
-    velocity: vec3f,       // m/s, of the step before, with all that acted from outside since
-    remainder: vec3f,      // m, what rounding left off the position
-    // m/s, all that acted from outside in the last step awake, a mean of those on end in which its strand was still;
-    // nothing with the model PARTICLES
+    velocity: vec3f,       // m/s, of the step before, with the changes by external forces since
+    remainder: vec3f,      // m, left off the position by rounding
+    // m/s, change by external forces in the last step awake, a mean over the consecutive steps in which its strand was
+    // still; 0 with the model PARTICLES
     external_dv: vec3f,
-    // m/s, what its rod and gravity gave it in the last step awake; nothing with the model PARTICLES
+    // m/s, change by its rod and gravity in the last step awake; 0 with the model PARTICLES
     own: vec3f,
-    tangential_spring: vec3f,   // m/s, slip that friction of hair on hair holds it back from
+    // tangential friction spring (Cundall & Strack), as the slip velocity [m/s] that it opposes; `fluid/friction`
+    // updates it
+    tangential_spring: vec3f,
     rest_drift: vec3f,   // m, from where it was when its strand became still
     pin_force: vec3f,    // N, that holds it at a pin
 }

@@ -1,19 +1,19 @@
 // Invocations that work for a strand, a row of cells, or a block of nodes.
 //
 // One invocation that walks along a strand waits for memory at each point, and a GPU has thousands more than there are
-// strands: eight side by side share the work, each with a stretch of the points. A software adapter gains nothing by
-// that, and without subgroup operations invocations cannot ask one another: in the texts for these each has a strand
-// alone.
+// strands: eight side by side share the work, each with a range of the points (`Stretch`). A software adapter gains
+// nothing by that, and without subgroup operations invocations cannot ask one another: in the texts for these each has
+// a strand alone.
 //
-// One of the invocations that share writes for all after it has asked the others for something: by then they have
-// read what they need.
+// One of the invocations that share writes for all after it has exchanged a value with the others: by then they have
+// made their reads.
 import package::common::lanes::LANES;
 
 // Invocations that share the work. The engine dispatches so many for each strand, row or block.
 @if(subgroups && !software) const SHARE: u32 = LANES;
 @if(!subgroups || software) const SHARE: u32 = 1u;
 
-// Whose work an invocation shares.
+// The strand, row or block that an invocation shares.
 fn item_of(invocation: u32) -> u32 {
     return invocation / SHARE;
 }
@@ -23,7 +23,7 @@ fn lane_of_item(invocation: u32) -> u32 {
     return invocation % SHARE;
 }
 
-// A worker's stretch of so many points.
+// A worker's range of so many points.
 struct Stretch {
     before: u32,   // the point before it, or the first point: where a walk begins that looks at segments
     begin: u32,
@@ -36,7 +36,7 @@ fn stretch_of(points: u32, worker: u32) -> Stretch {
     return Stretch(max(begin, 1u) - 1u, begin, min(begin + length, points));
 }
 
-// The largest, the least of what those that share have; whether any of them says yes.
+// Over the invocations that share: the largest value; the least; whether any is true.
 @if(subgroups && !software)
 fn largest_shared(own: f32) -> f32 {
     var largest = own;

@@ -1,6 +1,6 @@
 // Common part of the three passes that smooth the filter's grid along x, y and z.
 //
-// An invocation makes four nodes in a row along its axis, so that what it reads of a node serves all four. It goes
+// An invocation makes four nodes in a row along its axis, so that a value read of a node serves all four. It goes
 // along the nodes that reach them; the window of taps, one for each of the four, moves on with every node.
 import package::common::mesh::Mesh;
 

@@ -8,8 +8,8 @@ const TOO_MANY_FAILED_STRANDS: u32 = 4u; // the same
 const UNRECOVERED_STRAND: u32 = 8u;      // a strand is bad or lost: replay with the passes that recover it
 
 const STRAND_RESET: u32 = 0u;          // a non-finite strand goes back to its rest pose
-const OVER_STRAINED: u32 = 1u;         // a strand with a segment a twentieth too long or short for 50 steps on end
-// a step behind 0.1 s on end with more than a twentieth of the hair outside the box
+const OVER_STRAINED: u32 = 1u;         // a strand with a segment a twentieth too long or short for 50 steps in a row
+// a step after 0.1 s without a break in which more than a twentieth of the hair was outside the box
 const HAIR_OUTSIDE: u32 = 2u;
 const CONFINEMENT_LIMITED: u32 = 3u;   // a step in which a band would have grown by more than half of its speed
 const EULER_STEP: u32 = 4u;            // a strand took implicit Euler where BDF2 is asked for
@@ -44,9 +44,9 @@ struct Status {
     max_stretch: u32,                 // that of the committed steps
     inspected: u32,                   // 1: this step began with `forcing/reset`
     hair_outside: atomic<u32>,        // hair points outside the box of air, this step
-    outside_steps: u32,               // steps on end with many of them
+    outside_steps: u32,               // consecutive steps with many of them
     path_beside: atomic<u32>,         // d, farthest way of air beside bodies in this step, the bits of a positive f32
-    off_steps: u32,                   // steps on end in which the density of the air beside bodies was off
+    off_steps: u32,                   // consecutive steps in which the density of the air beside bodies was off
     wind: array<f32, 3>,              // m/s, mean wind at the end of this step
     wind_before: array<f32, 3>,       // m/s, at its start
     fastest_wind: f32,                // m/s, largest speed of the mean wind in its table

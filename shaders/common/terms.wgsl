@@ -1,4 +1,4 @@
-// The first pass of a sum over air: a partial sum of each workgroup. A pass says what a particle brings, in `term`.
+// The first pass of a sum over air: a partial sum of each workgroup. A pass computes a particle's term in `term`.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, reduce::{partial_sum, total, TERMS, WORKERS},
 };

@@ -1,5 +1,5 @@
-// Contacts in the Newton steps of `rods/solve`: their stiffness, their linear model, how they are once a Newton
-// step has moved their places, and what they leave to the next step. `common/contact` says what a contact is.
+// Contacts in the Newton steps of `rods/solve`: their stiffness, their linear model, their update after a Newton
+// step has moved their places, and their history for the next step. `common/contact` defines a contact.
 import package::common::{
     params::params, symmetric::{applied_to_columns, dyad, plus, twice_symmetric}, articulated::{Beyond, ONE, crossing},
     body::{BODIES, Placed, near},

@@ -3,14 +3,14 @@ import package::common::{rod::{Strand, Root, ROOT_HELD}, status::{finite, finite
 
 const FAR: f32 = 1e3;     // lengths of the strand: no point of it is farther from its root
 const WORLD: f32 = 1e9;   // m from the origin: no root is farther
-const FAST: f32 = 1e6;    // m/s: nothing is faster
+const FAST: f32 = 1e6;    // m/s: largest speed of a particle
 
 // Whether a vector is finite and not longer than that. The square of one that is too long for f32 is not finite either.
 fn within(v: vec3f, longest: f32) -> bool {
     return finite(dot(v, v)) && dot(v, v) <= longest * longest;
 }
 
-// Whether a particle can be there, and so fast.
+// Whether a particle's place is finite, and its velocity at most FAST.
 fn can_be(place: vec3f, velocity: vec3f) -> bool {
     return finite3(place) && within(velocity, FAST);
 }

@@ -12,7 +12,7 @@ import package::common::{
 @if(!subgroups || software) const ALONG: u32 = 16u;
 const NODES: u32 = 16u;                               // of a block
 
-// xyz: place in spacings; w: s [1/s], from `source`
+// xyz: place in spacings; w: s [1/s], from `fluid/coarse_source`
 @group(0) @binding(4) var<storage, read>       deposit_source: array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> coarse:  array<f32>;            // r [1/s]
 

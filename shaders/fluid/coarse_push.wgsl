@@ -1,6 +1,6 @@
-// The coarse pressure pushes the air: q is what it would change the air's velocity v by. The mean of q is not zero
-// among disordered particles, and is taken out: pressure drives no wind. Of what is left, the air gets little more than
-// the part that takes the most energy from it:
+// The coarse pressure pushes the air: q is the change of the air's velocity v that it would make. The mean of q is not
+// zero among disordered particles, and is taken out: pressure drives no wind. Of the rest, the air gets little more
+// than the part that takes the most energy from it:
 //
 //   p = 1.15 a/b, from 0 to 1,  a = -sum (q - mean q) . v,  b = sum |q - mean q|^2
 //       the energy changes by m (-p a + p^2 b/2)

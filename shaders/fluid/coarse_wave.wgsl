@@ -4,7 +4,7 @@
 //   out_k = sum_m in_m (cos t + sin t),  t = 2 pi k m/n
 //
 // The dispatch that makes the waves along the last axis, where `mesh.solves`, solves for the coarse pressure wave by
-// wave: what was deposited over the symbol of the Laplacian that deposit and gather make with quadratic B-splines, each
+// wave: the deposit over the symbol of the Laplacian that deposit and gather make with quadratic B-splines, each
 // axis by its own s = sin^2(t/2).
 //
 //   c(k) = r(k)/S(k),  S = cell/V (K_x M_y M_z/H_x^2 + M_x K_y M_z/H_y^2 + M_x M_y K_z/H_z^2)

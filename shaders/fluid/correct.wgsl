@@ -2,8 +2,8 @@
 //
 //   dx_i = relaxation w_i sum_j (lambda_i V_j + lambda_j V_i) grad_i W     equal and opposite for a pair in m dx
 //
-// Jacobi: everyone's position is read, only `move` changes it. The part of lambda that becomes velocity is summed
-// beside it.
+// Jacobi: this pass reads positions, and only `fluid/move` changes them. The part of lambda that becomes velocity is
+// summed beside it.
 import package::common::{
     params::params, dispatch::WORKGROUP, lanes::Near, matter::inverse_mass_of, pairs::{Pair, gradient_apart},
     clusters::{take_particle, has_none, of_shared, added_up, meet_own_kind},
@@ -13,7 +13,7 @@ import package::common::{
 // kg m^2, lambda, and the part of it that becomes velocity
 @group(0) @binding(4) var<storage, read>       multiplier: array<vec2f>;
 @group(0) @binding(5) var<storage, read_write> shift:      array<vec4f>;       // m, of this iteration
-// m, what of it becomes velocity; w: lambda times relaxation
+// m, the part of it that becomes velocity; w: lambda times relaxation
 @group(0) @binding(6) var<storage, read_write> velocity_shift: array<vec4f>;
 
 var<private> own_index: u32;

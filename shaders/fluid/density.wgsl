@@ -3,9 +3,9 @@
 //   rho_i / rho_0 = sum_j V_j W(|x_i - x_j|)                  self included; V volume, not mass
 //   lambda_i = -C_i / (sum_k w_k |grad_k C_i|^2 + alpha)      C_i = rho_i / rho_0 - 1, w inverse mass
 //
-// Negative C (a void) counts with `tension`. What moves air becomes its velocity, but where C is large only in part:
-// crowded air comes apart, and is not shot apart. It is a part of lambda, so that what the two of a pair get stays
-// opposite.
+// Negative C (a void) counts as 0. The shift of air over dt is added to its velocity; above C = ABRUPT only the share
+// ABRUPT/C of it, so that crowded air separates without gaining all of that speed. The share multiplies lambda, so that
+// pair impulses stay opposite.
 import package::common::{
     params::params, dispatch::WORKGROUP, lanes::Near, cells::is_air, sph_kernels::poly6_factor, matter::inverse_mass_of,
     pairs::{Pair, gradient_apart}, clusters::{take_particle, has_none, of_shared, added_up, meet_own_kind},
@@ -16,7 +16,7 @@ import package::common::{
 // lambda [kg m^2], and the part of it that becomes velocity
 @group(0) @binding(5) var<storage, read_write> multiplier: array<vec2f>;
 
-const ABRUPT: f32 = 0.2;   // C of air beyond which a move becomes no velocity
+const ABRUPT: f32 = 0.2;   // C of air above which only a share of a shift becomes velocity
 
 var<private> own_index: u32;
 var<private> ratio: f32;    // without the particle itself

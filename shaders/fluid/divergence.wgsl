@@ -7,9 +7,9 @@
 // Particles that crowd see the same divergence, and would all take it out: theta is their density over that at rest. So
 // would points of hair that are nearer to one another than particles of air, l < d: each takes a part p_i = min(1,
 // l/d), where V_i = V_air l/h. A body's wall adds -k (v_i - v_b) . n to the sum. Beside bodies, where air goes far in a
-// step and what a path missed would stay as an error of the density for good, a part of that error flows out: s_i +=
-// 0.3 way_i (theta_i - 1)/dt. Where air is missing lambda_i is at most 0: what flies apart there is not pulled
-// together.
+// step and the error of a path would stay as an error of the density for good, a part of that error flows out: s_i +=
+// 0.3 way_i (theta_i - 1)/dt. Where air is missing lambda_i is at most 0: air that moves apart there is not
+// pulled together.
 import package::common::{
     params::params, dispatch::WORKGROUP, lanes::Near, pairs::{Pair, gradient_to},
     clusters::{take_particle, has_none, of_flow, meet_own_kind}, pressure::{Pressed, Gradients, Stress, allowed},

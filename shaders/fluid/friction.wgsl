@@ -2,7 +2,7 @@
 // impulses between points of different strands, across the line that joins them.
 //
 //   J_ij = -k_ij u_ij,   k_ij = min(p_ij/(P_i + P_j), mu p_ij/|u_ij|)
-//       u: what of the difference of pulls is normal to x_i - x_j
+//       u: component of the difference of pulls that is normal to x_i - x_j
 //   g_i <- c_i (g_i + w_i sum_j k_ij s_ij)
 //       s: of the velocities of the last step, as u of pulls
 //   c_i  = sum_j k_ij / sum_j p_ij/(P_i + P_j)
@@ -10,7 +10,7 @@
 //
 // The first term of k is the largest that cannot overshoot, whatever the masses; the second is Coulomb's cap (Macklin
 // et al. 2014, eq. 24), with the constraint's own impulse p for the depth. The tangential spring g is that of Cundall &
-// Strack (1979), kept by points instead of pairs: it holds what sticks where it is, and what slides lets go of it.
+// Strack (1979), kept by points instead of pairs: it holds a sticking point in place, and fades as the point slides.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::frozen, lanes::Near, pairs::Pair,
     friction_point::{FrictionPoint, pressed},
@@ -27,7 +27,7 @@ import package::common::{
 @group(0) @binding(7) var<storage, read_write> tangential_spring: array<vec4f>;
 
 const SLOWEST: f32 = 1e-15;   // m/s: slower than this a pair sticks
-const LEAST: f32 = 1e-30;     // kg, for points that nothing squeezes
+const LEAST: f32 = 1e-30;     // kg, for points without a squeezed pair
 
 var<private> own_strand: Points;
 var<private> x: vec4f;
@@ -72,7 +72,7 @@ fn main(
 ) {
     let place = of_shared(id, groups);
     let entry = of_page(place);
-    // `move` runs next over hair in whole workgroups: what air is in the last of them has been moved already.
+    // `fluid/move` runs next over hair in whole workgroups: air in the last of them has been moved already.
     if (entry >= params.hair_points) & (entry < params.particles) & !frozen() { shift[entry] = vec4f(0.0); }
     let i = take_particle(place, local);
     own_strand = points_with(i);

@@ -1,5 +1,5 @@
-// Applies an iteration's shift, and remembers what of it becomes velocity: air's changes by the sum over the step, and
-// the sum of the multipliers says how hard hair is squeezed.
+// Applies an iteration's shift, and sums the part of it that becomes velocity: air's velocity changes by the sum over
+// the step, and the sum of the multipliers measures how hard hair is squeezed.
 import package::common::{params::params, dispatch::{invocation, WORKGROUP}, status::frozen};
 
 @group(0) @binding(2) var<storage, read>       shift:      array<vec4f>;

@@ -1,5 +1,5 @@
-// Air beside bodies goes by the mean of its velocities before and after the step: what pressure changed differently
-// from the step before counts for half of the way, which `forcing/advance` could not know.
+// Air beside bodies goes by the mean of its velocities before and after the step: the difference of the
+// pressure's change from that of the step before counts for half of the way, which `forcing/advance` could not know.
 //
 //   x += dt/2 (a - a_before)
 import package::common::{params::params, dispatch::{invocation, WORKGROUP}, pressure::Pressed, status::frozen};

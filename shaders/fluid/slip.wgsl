@@ -1,6 +1,6 @@
-// How hair would slip: what `squeeze` and `friction` ask of each hair point. What rod and gravity do to a point is
-// taken from its last step awake. The tangential spring pulls with a quarter of the stiffness that one step bears: with
-// it a point that sticks comes to rest without swinging.
+// State of each hair point that `fluid/normal_impulse` and `fluid/friction` read. The velocity change by rod and
+// gravity is that of the last step awake. The tangential spring pulls with a quarter (STIFFNESS) of the largest
+// stiffness that is stable in one step: a point that sticks then comes to rest without oscillating.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, rod::{Point, PointHistory},
     friction_point::FrictionPoint, status::frozen,

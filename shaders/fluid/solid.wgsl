@@ -1,4 +1,5 @@
-// The density of air as it is measured between steps counts what bodies take of its kernel (`common/wall.wgsl`).
+// The density of air as it is measured between steps includes the part of its kernel inside bodies
+// (`common/wall.wgsl`).
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, nearest::nearest, wall::density_beyond, status::frozen,
 };

@@ -1,4 +1,4 @@
-// Velocity of air: its own, and what the density constraint moved it by, which is spent with that.
+// Velocity of air: its own, and the density constraint's move over dt; the move is set to 0.
 import package::common::{params::params, dispatch::{invocation, WORKGROUP}, status::frozen};
 
 @group(0) @binding(2) var<storage, read_write> correction:   array<vec4f>;

@@ -1,10 +1,10 @@
-// Air moves by BDF2, and goes on as pressure changed it in the step before:
+// Air moves by BDF2, which continues the change by pressure in the step before:
 //
 //   v = v_n + dv,  x* = wrap(x_n + dt (v + a/2)),  v* = v + a/3
-//       dv the wind's change, a what pressure changed v by
+//       dv the change by wind, a the change of v by pressure
 //
-// All that acts from outside changes v_n and v_(n-1) alike, so that a is their difference whatever acted since. What
-// pressure changes v by in this step starts with a/3.
+// Forces other than pressure change v_n and v_(n-1) alike, so that a is their difference whatever acted since. The
+// pressure's velocity change of this step starts from a/3.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, cells::wrap, pressure::Pressed, status::frozen,
 };

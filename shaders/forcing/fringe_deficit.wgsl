@@ -1,4 +1,4 @@
-// Sums what the air in the fringe misses of the wind, over the particles of each workgroup, in a fixed order.
+// Sums the deficit of the air in the fringe to the wind, over the particles of each workgroup, in a fixed order.
 //
 //   sum_i sigma_i (U + u' - v_i - (U(t + dt) - U(t))),  and sum_i sigma_i
 import package::common::{
@@ -14,7 +14,7 @@ fn term(i: u32) -> mat2x4f {
     let place = position[i].xyz;
     let rate = rate_at(place);
     let v = velocity[i].xyz;
-    // Air that is not finite ends the run, and is not to take all other air with it.
+    // Air that is not finite ends the run; left out of the sum, it does not spread to all other air.
     if rate <= 0.0 || !finite3(v) { return mat2x4f(); }
     let change = mean_wind() - wind_before();
     return mat2x4f(rate * vec4f(deposit_source(place) - v - change, 1.0), vec4f(0.0));

@@ -1,5 +1,5 @@
-// Hair points drift as if nothing held them, damped: x + dt (v + w g dt)/(1 + c dt), w the point's weight. Where hair
-// meets air: what density moves hair by from here is an impulse on it (`rods/begin`).
+// Hair points drift as if nothing held them, damped: x + dt (v + w g dt)/(1 + c dt), w the point's weight. The
+// density constraint starts there: its move of a hair point from this place is an impulse on the point (`rods/begin`).
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, rod::Point, status::frozen,
 };

@@ -6,8 +6,8 @@ import package::common::{params::params, status::{status, frozen}};
 
 const AXES: u32 = 3u;
 
-// The wind along an axis at a time: between two entries of the table if it is after the first of them, else what was
-// found before.
+// The wind along an axis at a time: between two entries of the table if it is after the first of them, else the value
+// found so far.
 fn later(found: f32, before: vec4f, after: vec4f, axis: u32, time: f32) -> f32 {
     let part = min((time - before.w) / (after.w - before.w), 1.0);
     return select(found, mix(before[axis], after[axis], part), time > before.w);

@@ -6,7 +6,7 @@ import package::common::{params::params, dispatch::{invocation, WORKGROUP}, cell
 @group(0) @binding(4) var<storage, read>       wind_change:  array<vec4f>;   // m/s
 @group(0) @binding(5) var<storage, read_write> predicted:    array<vec4f>;
 @group(0) @binding(6) var<storage, read_write> new_velocity: array<vec4f>;
-// m, what the density constraint moves it by
+// m, move by the density constraint
 @group(0) @binding(7) var<storage, read_write> correction:   array<vec4f>;
 
 @compute @workgroup_size(WORKGROUP)

@@ -1,12 +1,12 @@
-// Puts each strand that is bad into its rest shape at its root, where the clamp was when the step began: at rest, and
-// with no memory. A tip that is held stays. `rods/predict` turns it with its clamp from there, and makes its frames.
+// Puts each bad strand into its rest shape at its root, where the clamp was when the step began: at rest, and with an
+// empty history. A tip that is held stays. `rods/predict` turns it with its clamp from there, and makes its frames.
 //
 // A strand is bad if the step before lost it, or if it has a value that is not finite, or that no strand can have: then
 // it is invalid, and this pass, which runs before anything else reads it, finds it. Spins are read by their own strand
 // alone, which `rods/update` finds lost after the solve.
 //
-// This pass writes what lasts. A step that freezes does no harm by that: taken again, it finds the strand bad and puts
-// it there again.
+// This pass writes committed state. That does no harm if the step freezes: the replay finds the strand bad again, and
+// puts it into the same shape.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, tangent},
     rod::{Strand, Segment, StrandHistory, PointHistory, TIP_HELD, FAILED, INVALID},
@@ -22,7 +22,7 @@ import package::common::{
 @group(0) @binding(7) var<storage, read_write> velocity:       array<vec4f>;
 @group(0) @binding(8) var<storage, read_write> point_history:  array<PointHistory>;
 
-const UNLIKE: f32 = 0.1;   // what the square of a frame's length is not off 1 by
+const UNLIKE: f32 = 0.1;   // error of the squared length of a frame from which on it is no rotation
 
 // The first point of a strand that is invalid, or whose segment is.
 fn invalid(strand: Strand, root: vec3f) -> u32 {

@@ -1,9 +1,9 @@
-// Where the clamps go in this step. A clamp with keyframes goes where they are at the step's end; any other goes a part
-// of the way to where the host wants it, and arrives in the last substep. A strand whose root jumps farther than the
+// Moves of the clamps in this step. A clamp with keyframes goes to its pose at the step's end; any other goes a part of
+// the way to the host's target, and arrives in the last substep. A strand whose root jumps farther than the
 // strand is long is teleported, unless its tip is held too. A strand whose clamp does not move may sleep. Free roots
 // are left alone. A tip that is held goes along: by the keyframes, or where its pin is.
 //
-// Behind `forcing/reset`: where that did not run although a strand is bad, the step freezes, and is taken again with
+// Runs after `forcing/reset`. If that pass is left out and a strand is invalid, the step freezes and is replayed with
 // it.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP},
@@ -59,7 +59,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     // A clamp that arrives takes the goal's frame to the bit: if it were off by rounding, it would never rest.
     rod_strands[s].root_frame = select(normalize(product(root_turn, held.frame)), goal.frame, resting || part == 1.0);
     rod_strands[s].state = select(select(FREE, ASLEEP, resting && params.sleep != 0u), TELEPORTED, jumps);
-    // The first step has no change of velocity to carry on.
+    // BDF2 needs the previous step of this strand; without it the strand takes Euler.
     rod_strands[s].scheme = select(EULER, BDF2, params.bdf2 != 0u && condition.bdf2_ready != 0u);
     rod_strands[s].condition = condition;
     rod_strands[s].pin_force = strand_history[s].pin_force;

@@ -18,7 +18,7 @@ import package::common::{
 @group(0) @binding(2) var<storage, read>       cell_start:      array<u32>;
 @group(0) @binding(3) var<storage, read>       sorted:          array<u32>;
 @group(0) @binding(4) var<storage, read>       sorted_position: array<vec4f>;
-// of each cluster: its first entry, and their end
+// of each cluster: its first entry in cell order, and the end of its entries
 @group(0) @binding(5) var<storage, read>       members:         array<vec2u>;
 @group(0) @binding(6) var<storage, read_write> neighbour_list:  array<vec4u>;
 @group(0) @binding(7) var<storage, read_write> page_ends:       array<atomic<u32>>;
@@ -28,50 +28,49 @@ const ROWS: u32 = 9u;                      // of cells around a cluster
 const TURNS: u32 = 3u;                     // boxes that a row may reach into: the one before, its own, the one behind
 const OWN: u32 = 0u;                       // kinds: the cluster's own, the other one
 const OTHER: u32 = 1u;
-// number from which on the last row is kept: 2 kinds of 3 stretches are kept of each row
+// number from which on the last row is kept: of each row 2 kinds of 3 ranges are kept
 const LAST: u32 = 6u;
-// entries of a cluster that are kept while searching; with more it is searched again
+// candidates of a cluster that are kept while searching; with more it is searched again
 const HELD: u32 = 168u;
 
-// Content of an entry: whose neighbour it is, bit by bit; its place in its stretch; which stretch that is. 0 is
-// nobody.
+// A candidate: 8 bits, cluster particles it neighbours; its offset in its range; the range's number. 0: none.
 const PLACE_BITS: u32 = 8u;
 const STRETCH_BITS: u32 = 27u;
-// a stretch with more freezes the step as a list does that is too long for 32 bits
+// entries of a range; a longer one freezes the step, as a list does that is too long for 32 bits
 const PLACES: u32 = 524288u;
 
-// A stretch is the entries of a row of cells in one of the boxes that it reaches into: the first, and the end. Its
-// number is that of its box times ROWS, and that of its row. Each of the eight keeps those of the row that has its
-// number, and all of them those of the last row.
+// A range (`stretch`) is the entries, in cell order, of a row of cells in one of the periodic boxes that the row
+// reaches into: the first, and the end. Its number is the number of the box times ROWS plus that of the row. A lane
+// keeps the ranges of the row with its own number, and every lane keeps those of the last row.
 
-// words of a cluster: those, and one for each invocation that has nothing to keep
+// words of a cluster: HELD candidates, and a word per lane that takes the writes that are not kept
 const KEEPS: u32 = 176u;
 
 var<workgroup> held: array<u32, CLUSTERS * KEEPS>;
 
 var<private> local: u32;           // place in the workgroup
-var<private> lane: u32;            // place among the eight
+var<private> lane: u32;            // 0 to 7, in the cluster
 var<private> reach: f32;           // m^2, square of the kernel radius
 var<private> own: array<vec3f, 8>; // positions of the cluster's particles [m]
 var<private> low: vec3f;           // the least box around them, where they are in the box of air [m]
 var<private> high: vec3f;
 var<private> members_of: vec2u;   // entries of the cluster itself: the first, and the end
-var<private> full: vec2u;         // of each kind, bit by bit, the stretches that are not empty
-var<private> frame: vec3i;        // boxes by which the cluster is moved to meet others
-var<private> found: u32;          // entries so far
-var<private> middle: u32;         // entry from which on they are of the other kind
-var<private> window: u32;         // entry from which on they are kept
+var<private> full: vec2u;         // of each kind, bit by bit, the ranges that are not empty
+var<private> frame: vec3i;        // box shift: boxes by which the cluster is moved to meet others
+var<private> found: u32;          // candidates so far
+var<private> middle: u32;         // candidate from which on they are of the other kind
+var<private> window: u32;         // candidate from which on they are kept
 var<private> element: u32;        // of the list, which the invocation fills
 var<private> filled: u32;         // batches of the element that are full
-var<private> meets: u32;          // whom the invocation's particle meets in them, a byte for each
-var<private> crowded: bool;       // a stretch is too long for what is kept of an entry
+var<private> meets: u32;          // neighbours of the invocation's particle in them, a byte for each
+var<private> crowded: bool;       // a range is too long for the offset of a candidate
 
 fn cluster_in_workgroup() -> u32 {
     return local / LANES;
 }
 
-// Notes what is to be searched, of both kinds, in a row next to the cluster's own; what is kept of it has numbers from
-// `first` on.
+// Notes the ranges to be searched, of both kinds, in a row next to the cluster's own; they are kept under the numbers
+// from `first` on.
 fn look_ahead(home: vec3i, row: u32, first: u32, air: bool) {
     let cells = params.cells;
     let line = home.yz + step_of(row);
@@ -90,7 +89,7 @@ fn look_ahead(home: vec3i, row: u32, first: u32, air: bool) {
     note(2u, row, first, along, bucket, air);
 }
 
-// Notes what is to be searched in one of the boxes that a row reaches into.
+// Notes the ranges to be searched in one of the boxes that a row reaches into.
 fn note(turn: u32, row: u32, first: u32, along: vec3i, bucket: u32, air: bool) {
     let cells = params.cells.x;
     let span = bucket + vec3u(clamp(along - (i32(turn) - 1) * cells, vec3i(0), vec3i(cells)));
@@ -105,7 +104,7 @@ fn note(turn: u32, row: u32, first: u32, along: vec3i, bucket: u32, air: bool) {
     full |= select(vec2u(0u), vec2u(1u << (turn * ROWS + row)), some);
 }
 
-// The stretch of a number.
+// The range with this number.
 fn stretch(kind: u32, which: u32) -> vec2u {
     let turn = turn_of(which);
     let row = which - ROWS * turn;
@@ -121,12 +120,12 @@ fn kept_in(turn: u32, first: u32, by: u32) -> vec2u {
     return select(near, kept(first + 2u, by), turn == 2u);
 }
 
-// The box of a stretch: its number over ROWS, for up to 27.
+// The box of a range: its number over ROWS, for up to 27.
 fn turn_of(which: u32) -> u32 {
     return (which * 57u) >> 9u;
 }
 
-// Boxes by which those of a stretch are moved to where they are seen.
+// Whole-box offset of the particles of a range to the image that is searched.
 fn turns_of(home: vec3i, which: u32, periodic: bool) -> vec3i {
     let turn = turn_of(which);
     return select(vec3i(0), vec3i(i32(turn) - 1, turns_of_row(home, step_of(which - ROWS * turn))), periodic);
@@ -154,7 +153,7 @@ fn near(other: u32, at: vec3f) -> u32 {
     return select(0u, 1u << (lane ^ other), dot(gap, gap) < reach);
 }
 
-// Keeps an entry.
+// Keeps a candidate.
 fn take(entry: u32, hit: bool) {
     let bits = votes(local, hit);
     let place = found + countOneBits(bits & ((1u << lane) - 1u)) - window;
@@ -163,13 +162,13 @@ fn take(entry: u32, hit: bool) {
     found += countOneBits(bits);
 }
 
-// Fills up the last batch with nobody, where the batches of a part end.
+// Fills up the last batch of a part with candidates 0, which become NOBODY.
 fn fill(ends: bool) {
     let over = found & (LANES - 1u);
     take(0u, ends && over > 0u && lane >= over);
 }
 
-// Where the particle of an entry is, or of any one from the end of its stretch on.
+// Position of the particle of an entry; of any particle from the end of the entry's range on.
 fn position_of(entry: u32, end: u32) -> vec3f {
     return sorted_position[select(0u, entry, entry < end)].xyz;
 }
@@ -185,7 +184,7 @@ fn search(home: vec3i, kind: u32, periodic: bool) {
         let turns = turns_of(home, which, periodic);
         let image = params.box_size * vec3f(turns);
         crowded |= near.y - near.x > PLACES;
-        // Nobody is its own neighbour; an image of it may be.
+        // A particle is not its own neighbour; its periodic image may be.
         let itself = select(members_of, vec2u(0u), any(turns != vec3i(0)));
         var e = near.x + lane;
         // A GPU reads the next batch while it looks at this one.
@@ -214,7 +213,7 @@ fn search_all(home: vec3i, air: bool) -> u32 {
     return select(found, middle, params.model == TWO_WAY);
 }
 
-// Copies what is kept to where the cluster's groups begin: `own_kind` entries are in the first part.
+// Copies the kept candidates to the cluster's groups in the list: `own_kind` of them are in the first part.
 fn copy(groups: u32, own_kind: u32, home: vec3i, air: bool, used: bool) {
     let from_here = cluster_in_workgroup() * KEEPS;
     let end = largest_of_all(local, min(HELD, max(found, window) - window));
@@ -256,7 +255,7 @@ fn room_for(length: u32) -> u32 {
     let begin = atomicAdd(&page_ends[params.page], length);
     atomicMax(&status.neighbours, begin + length);
     if begin + length < length {
-        // The sum has passed 32 bits. What a later cluster overwrites does not matter: the step is frozen.
+        // The sum has passed 32 bits. Later clusters may overwrite the list, since the step is frozen.
         atomicAdd(&status.neighbour_carries, 1u);
     }
     let fits = length <= params.neighbour_capacity && begin <= params.neighbour_capacity - length;
@@ -264,8 +263,8 @@ fn room_for(length: u32) -> u32 {
     return select(0u, begin, fits);
 }
 
-// Whether the step froze before its list was made. While a list that is too short is made, the other clusters still say
-// what they need.
+// Whether the step froze before its list was made. In a step frozen by a list that is too short, the other clusters
+// still add the length that they need.
 fn frozen_before_list() -> bool {
     return (status.ended != 0u) | ((atomicLoad(&status.causes) & ~NEIGHBOUR_OVERFLOW) != 0u);
 }

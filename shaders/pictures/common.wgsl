@@ -12,7 +12,7 @@ struct View {
     // xyz: unit vector to the picture's right; w: distance at which the depth cue starts [m]
     right:           vec4f,
     up:              vec4f,             // xyz: unit vector to the picture's top; w: 1 / range of the depth cue [1/m]
-    size:            vec2f,             // width and height of what is drawn [px]
+    size:            vec2f,             // width and height of the picture [px]
     hairs:           u32,               // number of drawn hairs
     samples:         u32,               // number of points of a drawn hair
     lights:          array<Light, 2>,   // key light and sky

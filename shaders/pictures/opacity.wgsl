@@ -1,6 +1,6 @@
 // Fills a grid with the optical depth of the hair between a point and a light, along the light's direction.
 //
-// `deposit` adds every segment's shadow (its area across the light over a cell's) to the eight nearest cells,
+// `deposit` adds every segment's shadow (its area across the light over a cell's) to the nearest eight cells,
 // `accumulate` sums each column from the light on. All are whole numbers, so that the bits do not depend on the order.
 import package::common::dispatch::{invocation, WORKGROUP};
 import package::pictures::{common::{view, GRID, DEPTH_UNIT}, taper::taper};

@@ -1,4 +1,4 @@
-// Draws what is behind the hair: the backdrop, and the patch that the hair grows from.
+// Draws the scene behind the hair: the backdrop, and the patch that the hair grows from.
 import package::pictures::{common::{view, FINE}, backdrop::backdrop, shadow::optical_depth};
 
 struct Backdrop {

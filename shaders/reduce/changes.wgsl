@@ -1,6 +1,6 @@
-// Sums changes of velocity, of confinement or of the coarse pressure, and what they do to the air's energy: over each
-// workgroup's particles, in a fixed order. Of the confinement nobody asks for the energy: one pass less to compile is
-// worth more than what that costs.
+// Sums changes of velocity, by confinement or by the coarse pressure, and the terms of the change of the air's energy:
+// over each workgroup's particles, in a fixed order. The energy of confinement is not used: its sum costs less than a
+// second pass would take to compile.
 import package::common::{dispatch::WORKGROUP, terms::sum_terms};
 
 @group(0) @binding(2) var<storage, read> changes:      array<vec4f>;   // q [m/s]

@@ -1,8 +1,8 @@
-// Totals the partial sums that the pass before has left (`common/terms.wgsl`), in a fixed order. All sums over air are
-// totalled by this one text; who needs a mean makes it of the total.
+// Totals the partial sums of the pass before (`common/terms.wgsl`), in a fixed order. All sums over air are totalled by
+// this one pass; a pass that needs a mean divides the total.
 import package::common::{dispatch::WORKGROUP, reduce::{partial_sum, total, WORKERS}};
 
-@group(0) @binding(2) var<storage, read_write> totals: array<vec4f>;   // two: the eight sums
+@group(0) @binding(2) var<storage, read_write> totals: array<vec4f>;   // two elements: eight sums
 
 @compute @workgroup_size(WORKGROUP)
 fn main(@builtin(local_invocation_id) id: vec3u) {

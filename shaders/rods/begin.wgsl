@@ -1,6 +1,6 @@
-// Where a hair point is as its step begins, how fast, and how far from its pin. The density constraint moved the
-// drifting point by dx: it takes dv = dx/dt, the impulse that the air lost. Forces from outside start at 0; the passes
-// that follow add to `force` and `resistance`.
+// Position and velocity of a hair point as its step begins, and its distance from its pin. The density constraint moved
+// the drifting point by dx: the point takes dv = dx/dt, the impulse that the air lost. External forces start at 0; the
+// passes that follow add to `force` and `resistance`.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, matter::inverse_mass, rod::{Point, Pin, RodPoint, PointHistory},
 };

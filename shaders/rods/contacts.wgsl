@@ -1,5 +1,5 @@
-// How a strand stands to the bodies as the step begins: whether it may meet one, whether one that moves wakes it, how
-// many of its points, from the root on, bodies let be, and what its contacts remember.
+// State of a strand beside the bodies as the step begins: whether it may meet a body, whether a moving body wakes it,
+// how many of its points, from the root on, have no contact, and the forces of its contacts in the step before.
 //
 // From a root that is held at a depth d below a surface, a strand rises by RISE of its length. The points that are
 // nearer to the root than d/RISE along the strand are *embedded*: if bodies pushed them out, they would push against

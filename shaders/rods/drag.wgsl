@@ -102,7 +102,7 @@ fn load(segment: Segment, strand_length: f32, a: Ahead, b: Ahead, air_a: Sampled
     return Load(t, 0.5 * normal, 0.5 * tangential, 0.5 * pressure * params.lift * speed * cross(t, u));
 }
 
-// The loads of a stretch, added to the forces on its points where `write`; returns the largest dt w R.
+// The loads of a range, added to the forces on its points where `write`; returns the largest dt w R.
 fn drag(strand: Strand, own: Stretch, scheme: u32, write: bool) -> f32 {
     var worst = 0.0;
     var limited = 0u;

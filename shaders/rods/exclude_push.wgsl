@@ -1,5 +1,4 @@
-// A force that was set on hair is no drag: its impulse is taken out of what the air gave, so that the air does not lose
-// it.
+// A force that was set on hair is no drag: its impulse is taken out of that of drag, so that the air does not lose it.
 //
 //   J -= dt m a
 import package::common::{

@@ -1,14 +1,14 @@
 // How a strand goes through the step, and where its solver starts.
 //
-// A strand that was not finite is placed in its rest shape; a teleported one moves as a whole; one at rest that nothing
-// pushes sleeps. The others are integrated: points and frames get their free moves, and the solver starts where the
+// A strand that was not finite is placed in its rest shape; a teleported one moves as a whole; one at rest without a
+// push sleeps. The others are integrated: points and frames get their free moves, and the solver starts where the
 // spins turn the frames. There
 //
 //   x_(k+1) = x_k + (rotation(turn_k) - 1) l d3_k + rotation(turn_k) u_k - u_k
 //       u = chord - l d3, in moves since the step's start
 //
 // so that the strand is whole. A segment that is strained by more than WHOLE as the step begins has been pushed by a
-// body, or written by somebody: its frame turns onto its chord, what is left of the strain is cut, and the points
+// body, or written by a caller: its frame turns onto its chord, the strain that is left is cut to WHOLE, and the points
 // beyond shift along, without a velocity.
 import package::common::{
     params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP},
@@ -35,9 +35,9 @@ const AT_TIP: f32 = 0.25;
 const SHORTEST: f32 = 1e-3;    // lengths of the segment: a shorter chord has no direction
 const OPPOSITE: f32 = 1e-4;    // 1 + cosine of two directions that no smallest rotation joins
 
-// Adds what forces from outside change of each point's velocity. Returns how much pushes the strand that did not while
-// it came to rest [m/s]: all of it on average, or one point by as much as bends the strand as far. A sleeper has no
-// velocity but what viscosity gave it.
+// Adds the change of each point's velocity by external forces. Returns the push on the strand beyond that while it came
+// to rest [m/s]: the mean over its points, or that of one point by AT_TIP, if it would bend the strand farther. A
+// sleeping strand has no velocity but that by viscosity.
 fn load(strand: Strand, sleeping: bool) -> f32 {
     var movable = 0.0;
     var sum = vec3f(0.0);
@@ -47,7 +47,8 @@ fn load(strand: Strand, sleeping: bool) -> f32 {
         let point = rod_points[p];
         if point.inverse_mass == 0.0 { continue; }
         let velocity = point.velocity - point.external_dv;
-        // Nothing is so fast: somebody wrote it where nobody looks.
+        // Only a caller can have written such a speed while forcing/reset is left out: freeze, and replay with the
+        // recovery passes.
         if !within(velocity, FAST) && status.inspected == 0u { freeze(UNRECOVERED_STRAND); }
         let felt = params.step * point.inverse_mass * (point.force - point.resistance * velocity);
         rod_points[p].external_dv = point.external_dv + felt;
@@ -84,7 +85,7 @@ fn pull(strand: Strand) -> Pins {
     return pins;
 }
 
-// Whether a strand whose clamp rests goes on at rest. A trembling strand feels a trembling drag, which must not wake
+// Whether a strand whose clamp rests goes on at rest. The drag on a trembling strand trembles too, and must not wake
 // it.
 fn rests(strand: Strand, resting: u32, woken: bool, push: f32) -> bool {
     let sleeping = resting == SLEEPS;
@@ -99,7 +100,7 @@ fn chord_of(p: u32) -> vec3f {
 }
 
 // Places a strand: in its rest shape, unrolled from the clamp, where a tip that is held stays; or as it is, turned with
-// its root and moved with it. A sleeper remembers what pushed it when it fell asleep.
+// its root and moved with it. A sleeping strand keeps the external forces of its last step awake.
 fn place(strand: Strand, rod: RodStrand, at_rest: bool, sleeps: bool) {
     let scheme = select(KINEMATIC, HOLD, sleeps);
     var frame = rod.root_frame;
@@ -156,7 +157,7 @@ fn set_off(strand: Strand, rod: RodStrand) {
     let keeps = f32(rod.comes_out == 0u);
     var here = rod_points[strand.first_point];
     var displacement = select(params.step * keeps * here.velocity, rod.root_displacement, here.inverse_mass == 0.0);
-    var shift = vec3f(0.0);   // m, of the points beyond what was made whole
+    var shift = vec3f(0.0);   // m, of the points beyond the segments that were made whole
     for (var k = 0u; k < strand.points; k++) {
         let p = strand.first_point + k;
         let held = here.inverse_mass == 0.0;
@@ -181,7 +182,8 @@ fn set_off(strand: Strand, rod: RodStrand) {
         var start = orientation[j];
         var strain = chord - l * tangent(start);
         if direct && !(length(strain) <= WHOLE * l) {
-            // No strand is so long: somebody wrote it where nobody looks.
+            // Only a caller can have written such a length while forcing/reset is left out: freeze, and replay with the
+            // recovery passes.
             if !(length(chord) < FAR * l) && status.inspected == 0u { freeze(UNRECOVERED_STRAND); }
             if length(chord) > SHORTEST * l { start = onto(chord, start); }
             let left = chord - l * tangent(start);

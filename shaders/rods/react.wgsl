@@ -12,8 +12,7 @@ import package::common::{
 
 var<private> given: vec3f;
 
-// Where an entry is none the cluster's own particle is asked for, which is air: what is read then counts for nothing,
-// but must be a number.
+// For an unused entry a particle of the cluster is read, which is air: its values have no weight, but must be finite.
 fn load_neighbour(i: u32) -> Near {
     let p = min(i, params.hair_points - 1u);
     let point = sampled[p];

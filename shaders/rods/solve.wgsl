@@ -10,7 +10,7 @@
 //
 //   dx_(k+1) = dx_k + theta_k x r_k + e_k,   theta_k = theta_(k-1) + phi_k,   r = l d3 + u
 //
-// Tip to root, what lies beyond a point acts on it as an articulated body (`common/articulated`); root to tip, turns
+// Tip to root, the strand beyond a point acts on it as an articulated body (`common/articulated`); root to tip, turns
 // and strains follow. The Hessian is Gauss-Newton's, and a frame under tension resists turning off the pull: it is
 // positive definite, so that Phi falls along theta. Contacts with bodies are springs on points and segments
 // (`common/contact`).
@@ -230,8 +230,8 @@ fn crawl(strand: Strand, rod: RodStrand) {
     }
 }
 
-// A strand that nothing holds keeps its momentum to rounding. What is left of the way to a tip that is held is spread
-// over the points.
+// A strand without clamp, pin or contact keeps its momentum to rounding. The gap that the solve leaves to a held tip is
+// spread over the points.
 fn finish(strand: Strand, rod: RodStrand, touches: bool) {
     let last = strand.first_point + strand.points - 1u;
     var shift = vec3f(0.0);    // m, of all points,

@@ -1,8 +1,8 @@
-// Hair goes where its rods took it, with the velocity of that move; and the health of each strand: stretch is recorded,
-// over-strain and rest are counted, steps on end. A strand that is not finite, or of which a segment has become a
-// thousand times too long, is held where it was for this step, so that it spoils no neighbour, and is reset in the
-// next. If nobody looked at the strands when the step began, it may have been lost already: the step freezes, and is
-// taken again with the passes that recover strands.
+// Hair goes where its rods took it, with the velocity of that move; and the condition of each strand: its stretch is
+// recorded, its consecutive steps of over-strain and of rest are counted. A strand that is not finite, or of which a
+// segment has become a thousand times too long, is held where it was for this step, so that it spoils no neighbour, and
+// is reset in the next. If `forcing/reset` was left out, the strand may have been invalid before the step: the step
+// freezes, and is replayed with the passes that recover strands.
 import package::common::{
     params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, integration::{KINEMATIC, rate}, place::placed,
     rest::{RESTING_STEPS, STILL_TURN}, validity::FAR,
@@ -25,9 +25,9 @@ import package::common::{
 @group(0) @binding(7) var<storage, read_write> predicted:    array<vec4f>;
 @group(0) @binding(8) var<storage, read_write> new_velocity: array<vec4f>;
 
-// Where it became still when the step began: by then contacts and viscosity have had their say. With the model
-// PARTICLES, whose pushes nothing remembers, it must not be pushed either. A strand that nothing holds may drift as
-// slowly as it will.
+// Whether the invocation's part of a strand is near the place where the strand became still, as of the step's start,
+// which includes contacts and viscosity. With the model PARTICLES, which keeps no history of pushes, the part must not
+// be pushed either. A strand with a free root never rests: it may drift however slowly.
 fn resting(strand: Strand, own: Stretch) -> bool {
     if (strand.joints & ROOT_HELD) == 0u { return false; }
     for (var k = own.begin; k < own.end; k++) {
@@ -41,7 +41,7 @@ fn resting(strand: Strand, own: Stretch) -> bool {
     return true;
 }
 
-// The largest |l/l0 - 1| of a stretch, and its first point that is not finite.
+// Of a range of points: the largest |l/l0 - 1|, and the first point that is not finite.
 struct Measured {
     stretch: f32,
     lost: u32,
@@ -66,7 +66,7 @@ fn measure(strand: Strand, own: Stretch) -> Measured {
     return Measured(largest_shared(measured.stretch), least_shared(measured.lost));
 }
 
-// The strand stands where it was, and felt nothing.
+// Holds the strand where it was as the step began; its loads are 0.
 fn hold(strand: Strand, own: Stretch) {
     for (var k = own.begin; k < own.end; k++) {
         let p = strand.first_point + k;
@@ -82,8 +82,9 @@ fn hold(strand: Strand, own: Stretch) {
     }
 }
 
-// A strand that was still for so many steps on end takes what acts on it from outside as a mean over them, or over the
-// last RESTING_STEPS: it trembles, and so does its drag. From a step in which it was not still it may become so.
+// Averages `external_dv` of a strand that was still for `steps` consecutive steps over these, or over the last
+// RESTING_STEPS: the strand trembles, and so does its drag. After a step in which it was not still, the drift from
+// which rest is measured starts at 0.
 fn rest(strand: Strand, own: Stretch, steps: u32) {
     let part = 1.0 - 1.0 / f32(clamp(steps, 1u, RESTING_STEPS));
     for (var k = own.begin; k < own.end; k++) {
@@ -116,7 +117,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let at = invocation(id, groups);
     let s = item_of(at);
     let is_leader = lane_of_item(at) == 0u;   // for the strand
-    // Strands that are lost freeze the step from here on, and all of those that share a strand stay or leave.
+    // An invalid strand freezes the step from here on; the invocations that share a strand go on or return together.
     if (s >= params.strands) | any_shared(frozen()) { return; }
     let strand = strands[s];
     let own = stretch_of(strand.points, lane_of_item(at));

@@ -1,11 +1,11 @@
-// Finds what is before each row of cells, the exclusive sums of its entries and its clusters, in one workgroup.
+// Exclusive sums, over the rows of cells, of their entries and their clusters, in one workgroup.
 //
-// Each invocation sums a stretch of rows, the workgroup scans the 256 sums, and each invocation writes its stretch.
+// Each invocation sums a range of rows, the workgroup scans the 256 sums, and each invocation writes its range.
 import package::common::{cells::rows, row::Row};
 
 const LANES: u32 = 256u;   // invocations of the one workgroup: the most that WebGPU's default allows
 
-// one more than there are: the last has all before it
+// exclusive sums per row of cells; one extra element at the end has the totals
 @group(0) @binding(2) var<storage, read_write> cell_rows: array<Row>;
 
 var<workgroup> sums: array<vec2u, LANES>;

@@ -78,7 +78,8 @@ pub struct Operations {
     pub own_batch: u64,
     /// In each batch of eight neighbours of the other kind.
     pub other_batch: u64,
-    /// Whether the pass does more: it has loops of which nobody knows the turns beforehand, and they count once.
+    /// Whether the pass does more: it has loops whose number of iterations is not known beforehand, and they count
+    /// once.
     pub more: bool,
 }
 

@@ -2,9 +2,9 @@
 //
 //   u_i = gain sum_j f_j (3 - q^2) exp(-q^2/2),  q = |x_i - x_j|/s,  f from `weigh`, self included
 //
-// A workgroup takes the particles of a block of cells in a row, eight to a lane, so that what is read of a particle j
-// serves eight sums. One dispatch looks at some of the rows of cells around a block and adds to what earlier dispatches
-// found.
+// A workgroup takes the particles of a block of cells in a row, eight to a lane, so that a particle j that is read
+// serves eight sums. One dispatch reads some of the rows of cells around a block, and adds to the sums of earlier
+// dispatches.
 import package::common::{
     params::params, cells::{cell_of, turns_of, box_bucket}, status::frozen, band::Band,
 };

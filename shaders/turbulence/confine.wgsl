@@ -3,11 +3,11 @@
 //   eta_i = sum_j V_j (|omega_j| - |omega_i|) grad_i W,  N = eta/(|eta| + 1e-3 |omega_i|/h)
 //   a_i = S |u_i| max(0, 1 - |u_i|^2/u_max^2) (N x omega_i),
 //       u_max = min(I U, h/dt) (`Band.largest_speed`): steps resolve no faster eddies
-//   as printed (eqs. 2, 4): a_i = epsilon 1/2 m |u_i|^2 (N x omega_i) in mg, mm, s; omega of v, hair in the sum
+//   as printed (eqs. 3, 4): a_i = epsilon 1/2 m |u_i|^2 (N x omega_i) in mg, mm, s; omega of v, hair in the sum
 //
-// The printed law adds dt a. A band adds, along N x omega, what |u| would gain if N x omega lay along u and stayed so:
-// by
-// |u|' = S |N x omega| |u| (1 - |u|^2/u_max^2) in closed form, at most |u|/2. So no step takes a particle past u_max.
+// The printed law adds dt a. A band adds, along N x omega, the gain of |u| if N x omega lay along u and stayed so:
+// by |u|' = S |N x omega| |u| (1 - |u|^2/u_max^2) in closed form, at most |u|/2. So no step takes a particle past
+// u_max.
 import package::common::{
     params::params, dispatch::WORKGROUP, cells::is_air, status::{count_step, CONFINEMENT_LIMITED}, lanes::Near,
     pairs::{Pair, gradient_to}, clusters::{take_particle, has_none, of_air, meet_own_kind}, wind::left_by_fringe,

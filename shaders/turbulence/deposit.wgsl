@@ -1,5 +1,5 @@
-// Carries what the filter sums to the nodes of its grid, D, and the volume with it. Particles are sorted into the cells
-// between the nodes.
+// Deposits the terms of the filter's sum on the nodes of its grid, D, and the volume with them. Particles are sorted
+// into the cells between the nodes.
 import package::common::{
     dispatch::{invocation, WORKGROUP}, status::frozen, mesh::node_index,
     deposit::{mesh, block_of, deposit, Part, BLOCK},
@@ -7,7 +7,7 @@ import package::common::{
 };
 
 @group(0) @binding(4) var<storage, read>       sorted_position: array<vec4f>;
-// xyz: V (v - U) [m^4/s]; w: V [m^3], from `weigh`
+// xyz: V (v - U) [m^4/s]; w: V [m^3], from `turbulence/weigh`
 @group(0) @binding(5) var<storage, read>       flow:            array<vec4f>;
 @group(0) @binding(6) var<storage, read_write> deposited:       array<vec4f>;   // D: xyz [m^4/s]; w [m^3]
 
@@ -33,8 +33,8 @@ fn add(along: vec4f, across: vec4f) {
     sum_11 += across.y * across.w * part;
 }
 
-// Eight that share a block add up what they have. Each gives away half of its sums three times, and keeps those of two
-// nodes, which the bits of its number name: the half of a row, y, z.
+// Adds up the sums of the eight lanes that share a block. Each lane gives away half of its sums three times, and keeps
+// those of two nodes, which the bits of its number name: the half of a row, y, z.
 @if(subgroups && !software)
 fn write(block: vec3i, nodes: vec3i, worker: u32) {
     let own = vec3<bool>((vec3u(worker) & vec3u(1u, 2u, 4u)) != vec3u(0u));

@@ -1,4 +1,5 @@
-// Writes what the filter sums, in the order of cells: V (v - U) of air, or, as printed, v of all particles (eq. 5).
+// Writes the terms of the filter's sum, in the order of cells: V (v - U) of air, or, as printed, v of all particles
+// (eq. 5).
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, cells::is_air, status::frozen, wind::mean_wind,
 };

@@ -1,5 +1,6 @@
-// How much of its velocity a particle would exchange in one XSPH update, S_i = sum_j c_ij w_ij. Where S exceeds 1 the
-// update would overshoot; `viscosity` divides by it, for both partners alike. The sum is over the pairs of `viscosity`.
+// Fraction of its velocity that a particle would exchange in one XSPH update, S_i = sum_j c_ij w_ij. Where S exceeds 1
+// the update would overshoot; `viscosity/xsph` divides a pair's exchange by the larger S of the two. The sum is over
+// the pairs of `viscosity/xsph`.
 import package::common::{
     params::params, dispatch::WORKGROUP, lanes::Near, matter::{Exchange, viscosity_of}, pairs::Pair,
     clusters::{take_particle, has_none, of_shared, added_up, meet_own_kind}, own_strand::{Points, points_with, holds},
@@ -15,7 +16,7 @@ var<private> coefficient: f32;
 var<private> thickness: f32;
 var<private> sum: f32;
 
-// In place of the volume its root.
+// `Near.volume` holds the square root of the volume.
 fn load_neighbour(j: u32) -> Near {
     let other = predicted[j];
     return Near(j, other.xyz, sqrt(other.w), vec4f(density[j], viscosity_of(j, exchange[j].deformation), 0.0, 0.0),

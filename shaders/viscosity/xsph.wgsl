@@ -3,9 +3,9 @@
 //   v_i += sum_j 2 w_i/(w_i + w_j) c_ij w_ij (v_j - v_i) / max(1, S_i, S_j)
 //   w_ij = 2 sqrt(V_i V_j) W / (theta_i + theta_j),  theta = rho / rho_0,  w inverse mass
 //
-// S is that of `limit`; it stays zero where the limiter is left out. Eddies that the spacing does not resolve add to
-// the c of air. With the model TWO_WAY points of one strand exchange nothing: a strand has its rod and `rods.damping`,
-// and XSPH would resist its bending.
+// S is that of `viscosity/limit`; it stays zero where that pass is left out. Eddies that the spacing does not resolve
+// add to the c of air. With the model TWO_WAY points of one strand exchange nothing: a strand has its rod and
+// `rods.damping`, and XSPH would resist its bending.
 import package::common::{
     params::params, dispatch::WORKGROUP, lanes::Near, matter::{Exchange, inverse_mass_of, viscosity_of}, pairs::Pair,
     clusters::{take_particle, has_none, of_all, meet_own_kind}, own_strand::{Points, points_with, holds},
@@ -26,7 +26,7 @@ var<private> thickness: f32;
 var<private> exchanged: f32;
 var<private> sum: vec3f;
 
-// In place of the volume its root.
+// `Near.volume` holds the square root of the volume.
 fn load_neighbour(j: u32) -> Near {
     let other = predicted[j];
     let value = vec4f(new_velocity[j].xyz, density[j]);

@@ -1,5 +1,5 @@
-//! Stage `neighbours`: the passes that sort particles into cells and list who is near whom. Every pass takes what the
-//! engine's pass before it left; who is near whom is held against the reference.
+//! Stage `neighbours`: the passes that sort particles into cells and list neighbours. Every pass takes the results
+//! of the engine's pass before it; the neighbours are compared with the reference.
 
 use std::ops::Range;
 

@@ -10,8 +10,8 @@ use windswept_shaders::common::rod::INVALID;
 
 use crate::{brush, support, windy, with_model};
 
-/// Some strands in a brook of air. Its hair is the engine's own, so that nobody looks at it until somebody else writes
-/// into it.
+/// Some strands in a brook of air. The hair is made by the engine, so that the recovery passes are left out until a
+/// test writes into it.
 const BROOK: &str = "
 title = \"brook\"
 time = { step = 1.38e-3, duration = 0.1, substeps = 1 }
@@ -30,7 +30,7 @@ wind = [2.0, 0.0, 0.0]
 fringe = 0.01
 ";
 
-/// Strand that somebody writes into, and which of its points.
+/// Strand that a test writes into, and which of its points.
 const VICTIM: usize = 7;
 const PLACE: usize = 3;
 
@@ -146,8 +146,8 @@ fn what_ended_a_run_is_put_back_to_rest() {
     }
 }
 
-/// Air that is finite, but faster than anything can be, ends the run as air that is not: nobody has to find it in the
-/// results.
+/// Air that is finite, but faster than any air can be, ends the run as air that is not finite, instead of showing in
+/// the results.
 #[test]
 fn air_faster_than_anything_ends_the_run() {
     let mut simulation = Simulation::with_state(&support::gpu(), &windy(), brush(4)).unwrap();
@@ -315,7 +315,7 @@ fn brooks() -> impl Iterator<Item = Scene> {
     models.map(|model| Scene::parse_with("brook", BROOK, &[format!("interaction.model={model}")]).unwrap())
 }
 
-/// The hair point that somebody writes into.
+/// The hair point that a test writes into.
 fn place(simulation: &Simulation) -> usize {
     simulation.initial().hair.points(VICTIM).start + PLACE
 }

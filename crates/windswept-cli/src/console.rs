@@ -21,8 +21,8 @@ impl<'a> Console<'a> {
         Self { out, err, terminal, failed: None }
     }
 
-    /// A line of the result, with its control characters spelled: it may name what is the user's. Nothing more is
-    /// written behind one that could not be; [`Self::end`] says why.
+    /// Writes a line of the result, with its control characters spelled, since it may quote the user's names. After a
+    /// line that could not be written no other is written; [`Self::end`] says why.
     pub(crate) fn print(&mut self, line: impl Display) {
         self.put(format_args!("{}\n", spelled(&line.to_string())));
     }
@@ -51,7 +51,8 @@ impl<'a> Console<'a> {
         }
     }
 
-    /// A line about the run, with its control characters spelled; there is nobody left to tell if it cannot be written.
+    /// Writes a line about the run, with its control characters spelled; an error of writing it has no other channel,
+    /// and is dropped.
     pub(crate) fn note(&mut self, line: impl Display) {
         let _ = writeln!(self.err, "{}", spelled(&line.to_string()));
     }

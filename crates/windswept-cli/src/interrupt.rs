@@ -66,8 +66,7 @@ impl Interrupt {
         self.asked.load(Ordering::Relaxed)
     }
 
-    /// Says whether a step is to end between two of its substeps, to somebody who asks again and again while it is
-    /// taken.
+    /// A function for polling during a step, which says whether the step is to end between two of its substeps.
     pub(crate) fn urges(&self) -> impl FnMut() -> bool + '_ {
         let mut since = None;
         move || self.asked() && since.get_or_insert_with(Instant::now).elapsed() >= PATIENCE

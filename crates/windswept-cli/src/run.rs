@@ -242,7 +242,7 @@ struct Filmed {
 }
 
 impl Filmed {
-    /// Steps and records until the schedule is done or somebody asks to stop.
+    /// Steps and records until the schedule is done or a signal asks to stop.
     fn run(
         &mut self,
         run: &mut Run,

@@ -168,7 +168,7 @@ fn a_folder_that_goes_away_ends_the_run() {
 }
 
 /// A disk that takes no file, as a read-only one, is no fault of the arguments. A process cannot make one of its own;
-/// the system's own table of processes is one, for whoever asks.
+/// the system's own table of processes is one, for every user.
 #[cfg(target_os = "linux")]
 #[test]
 fn a_disk_that_refuses_is_a_failure() {

@@ -1,4 +1,4 @@
-//! A run's folder with something unexpected in it, or with two runs at once: nothing of anybody else's is touched.
+//! A run's folder with something unexpected in it, or with two runs at once: files of others stay as they are.
 
 #![cfg(unix)]
 #![allow(clippy::expect_used)] // a test may panic
@@ -67,7 +67,7 @@ fn ended(mut command: Command) -> Output {
     child.wait_with_output().expect("an end")
 }
 
-/// Pictures behind a link are somebody else's: nothing is removed or written there.
+/// A link in place of the pictures' folder is refused: no file behind it is removed or written.
 #[test]
 fn a_link_in_place_of_the_pictures_is_refused() {
     let folder = folder();
@@ -183,7 +183,7 @@ fn halves_that_a_kill_left_are_removed() {
     assert_eq!((listing(&out.join("frames")), listing(&out).len()), (vec!["notes.part".to_owned()], 3));
 }
 
-/// The target of a link in a run's folder belongs to somebody else: a run that goes on replaces a link in the place of
+/// The target of a link in a run's folder stays as it is: a run that goes on replaces a link in the place of
 /// a file that it writes anew, and is refused where a film would grow at the end of a link.
 #[test]
 fn a_run_that_goes_on_writes_through_no_link() {
@@ -247,8 +247,8 @@ fn the_file_beside_a_checkpoint_is_named() {
     assert!(error.to_string().contains("now.windswept.part: cannot be written: Is a directory"), "{error}");
 }
 
-/// A second run in a folder is refused as long as the first one is there, and nothing is touched; a killed run keeps
-/// nobody out.
+/// A second run in a folder is refused as long as the first one is there, and changes no file; a killed run keeps no
+/// other out.
 #[test]
 fn two_runs_do_not_share_a_folder() {
     let folder = folder();
@@ -297,7 +297,7 @@ fn a_path_that_is_not_utf8_is_refused_for_films() {
     assert!(folder.path().join(out).join("hair.usda").exists());
 }
 
-/// A pipe in place of the checkpoint is no checkpoint, and nobody waits for one.
+/// A pipe in place of the checkpoint is no checkpoint, and the command does not wait for one.
 #[test]
 fn a_pipe_is_no_checkpoint() {
     let folder = folder();

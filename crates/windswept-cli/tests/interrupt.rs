@@ -1,4 +1,4 @@
-//! Ctrl-C and a polite kill: one ends a run with all that it has, and only somebody who insists ends it without.
+//! Ctrl-C and SIGTERM: the first ends a run with its files complete, and a later one ends it at once.
 
 #![cfg(unix)]
 #![allow(clippy::expect_used)] // a test may panic

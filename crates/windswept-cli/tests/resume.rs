@@ -1,4 +1,4 @@
-//! Runs that are killed and go on: each frame is there once, and the last is that of a run that nobody killed.
+//! Runs that are killed and go on: each frame is there once, and the last is that of a run without a kill.
 
 #![allow(clippy::expect_used)] // a test may panic
 

@@ -25,7 +25,7 @@ pub enum ExportError {
         /// The invalid, with both numbers.
         problem: String,
     },
-    /// The folder is somebody else's now, or something in it is in the way.
+    /// Another run or writer has the folder, or something in it is in the way.
     #[error("{}: {problem}", path.display())]
     Folder {
         /// The folder, or what is in the way.
@@ -50,7 +50,7 @@ pub enum ExportError {
     Python {
         /// The Python.
         program: PathBuf,
-        /// What is missing, and where it comes from.
+        /// The missing package or program, and its source.
         problem: String,
     },
     /// The GPU that draws.

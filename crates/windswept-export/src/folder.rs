@@ -9,7 +9,7 @@ use windswept_scene::{AtomicFile, remove};
 use crate::error::ExportError;
 use crate::picture::is_own_picture;
 
-/// The file that is locked while somebody writes beside it. The one that a killed run leaves is not locked any more.
+/// The file that is locked while a run or a writer writes into its folder. A killed run leaves the file, unlocked.
 pub const LOCK: &str = ".windswept.lock";
 
 /// The report of a run.
@@ -30,7 +30,7 @@ pub struct Folder<'a>(pub &'a Path);
 
 impl Folder<'_> {
     /// Keeps others out of the folder, which is there, until what is returned is dropped: runs of the command, and
-    /// Python's writers. On a file system without locks nobody is kept out.
+    /// Python's writers. A file system without locks keeps no other out.
     ///
     /// # Errors
     /// [`ExportError::Folder`] if another one has it, or something else is in the file's place; [`ExportError::File`]
@@ -204,7 +204,7 @@ fn is_at(file: &File, path: &Path) -> bool {
     }
 }
 
-/// Elsewhere nobody removes the file.
+/// On other systems the lock file is taken to be in its place.
 #[cfg(not(unix))]
 fn is_at(_: &File, _: &Path) -> bool {
     true
@@ -238,7 +238,7 @@ pub fn real_path(path: &Path) -> PathBuf {
 mod tests {
     use super::*;
 
-    /// Where the disk takes no lock nobody else has the folder: the disk has failed.
+    /// A disk that takes no lock has failed; the error does not say that another run has the folder.
     #[test]
     fn a_disk_without_room_for_the_lock_has_failed() {
         let refused = Folder(Path::new("/proc")).lock().err();

@@ -75,7 +75,7 @@ impl Schedule {
     }
 }
 
-/// Takes steps in parts that last about equally long, so that whoever waits for one knows how long.
+/// Takes steps in parts that last about equally long, so that the time of each part is known beforehand.
 #[derive(Debug, Clone)]
 pub struct Pace {
     length: Duration,
@@ -223,7 +223,7 @@ pub struct Recording {
     folder: PathBuf,
     /// Time of the last frame \[s\].
     last: f64,
-    /// Formats that it goes on without, and that nobody was told of yet.
+    /// Formats that it goes on without, and that are not reported yet.
     losses: Vec<Loss>,
 }
 

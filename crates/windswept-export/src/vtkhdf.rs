@@ -129,7 +129,7 @@ impl VtkHdfWriter {
         if path.is_dir() {
             return Err(unreplaced(&path, &ErrorKind::IsADirectory.into()));
         }
-        // Where the disk is too small, no film is left that nobody can read.
+        // If the disk is full, no unreadable film is left.
         let whole = AtomicFile::new(&path).map_err(|e| unreplaced(&path, &e))?;
         Layout::create(whole.part(), kind, &cells, &contents, frames, provenance)
             .map_err(|e| failed(&path, "could not be created", &e))?;

@@ -95,7 +95,7 @@ const FRAMES: usize = 100_000;
 /// A process that writes a file.
 struct Victim {
     process: Child,
-    /// Held, as it would end by itself if nobody listened.
+    /// Kept open: the process would end by itself if its output were closed.
     _output: Lines<BufReader<ChildStdout>>,
 }
 

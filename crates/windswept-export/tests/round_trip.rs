@@ -58,7 +58,7 @@ fn fewer_frames_than_announced_are_a_film() {
     }
 }
 
-/// A new film at the path of an old one leaves the old one whole for whoever has it open.
+/// A new film at the path of an old one leaves the old one whole for a reader that has it open.
 #[cfg(unix)]
 #[test]
 fn open_readers_keep_the_old_film() {

@@ -75,7 +75,7 @@ pub(crate) fn formats(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
 ///
 /// Raises:
 ///     ExportError: a format cannot be written, or the simulation has nothing for it; the folder has files of an earlier run, without
-///         `overwrite`; somebody writes into the folder already, or what is in it is in the way, as a link called frames.
+///         `overwrite`; another run or writer has the folder, or a file in it is in the way, as a link called frames.
 ///     ValueError: there is no such format.
 #[pyclass(frozen, module = "windswept")]
 pub(crate) struct Writer {

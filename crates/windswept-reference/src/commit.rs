@@ -25,7 +25,7 @@ pub fn run(s: &mut State, w: &mut Scratch, p: &Parameters) -> Result<(), Frozen>
     Ok(())
 }
 
-/// Nothing is faster \[m/s\].
+/// Largest speed that a step may commit \[m/s\].
 pub const FAST: f64 = 1e6;
 
 /// Number of strands that may become non-finite in one step: 3, or 1 % of them if that is more.
@@ -60,12 +60,12 @@ pub fn hold(s: &State, strand: usize, w: &mut Scratch) -> bool {
     lost
 }
 
-/// Whether a position is finite, and a velocity one that anything can have.
+/// Whether a position is finite, and a velocity at most [`FAST`].
 fn is_sound(position: DVec3, velocity: DVec3) -> bool {
     position.is_finite() && velocity.length() <= FAST
 }
 
-/// Checks whether what a step arrived at, in which `bad` strands were not finite, may become the state.
+/// Checks whether the results of a step, in which `bad` strands were not finite, may become the state.
 ///
 /// # Errors
 /// [`Frozen`] when an air particle is not finite or faster than [`FAST`], or when more than [`failed_strand_limit`] strands are not finite.
@@ -79,10 +79,9 @@ pub fn check(p: &Parameters, bad: usize, positions: &[DVec3], velocities: &[DVec
     }
 }
 
-/// Commits what a step arrived at: it becomes the state, and air is wrapped into the box. Hair remembers its move, and
-/// the velocities that it had with all that acted from outside since. Placed hair starts anew, but for a sleeping
-/// strand's velocity of the step before: a constant push on a sleeping strand must not kick it when it wakes, and BDF2
-/// takes a third of the change of it.
+/// Commits the results of a step as the state, and wraps air into the box. Hair keeps its move, and its velocities with
+/// the changes by external forces since. Placed hair gets an empty history; a sleeping strand keeps the velocity of the
+/// step before, since BDF2 would take a third of its change as a kick when the strand wakes.
 pub fn commit(p: &Parameters, s: &mut State, w: &mut Scratch) {
     for (k, segment) in w.moving.segments.iter().enumerate() {
         let anew = segment.step.is_infinite();

@@ -28,11 +28,11 @@ use crate::{
     step::{Observer, Scratch},
 };
 
-/// C of air beyond which a move of the density constraint becomes no velocity.
+/// C of air above which only the share `ABRUPT`/C of a move by the density constraint becomes velocity.
 pub const ABRUPT: f64 = 0.2;
 
 /// Runs the stage: the pressure of solver `divergence`, of air or of hair and air; and density constraints (eq. 1) of
-/// all that it leaves out. Where none is solved the density is found all the same, for viscosity.
+/// the particles that it leaves out. Where no constraint is solved the density is found all the same, for viscosity.
 pub fn run(s: &State, w: &mut Scratch, p: &Parameters, see: &mut Observer<'_>) {
     w.correction = vec![DVec3::ZERO; w.predicted.len()];
     w.tangential_spring.clone_from(&s.tangential_spring);
@@ -105,7 +105,7 @@ fn constrain(s: &State, w: &mut Scratch, p: &Parameters, count: usize, see: &mut
 
 /// Density ρ_i/ρ0 = Σ_j V_j W, self included, and its multiplier λ_i = −C_i/(Σ_k w_k |∇_k C_i|² + α) \[kg m²\].
 ///
-/// C = ρ/ρ0 − 1; negative C counts with `tension`. `volume` in m³, `inverse_mass` in 1/kg.
+/// C = ρ/ρ0 − 1; negative C counts as 0. `volume` in m³, `inverse_mass` in 1/kg.
 #[must_use]
 pub fn density(
     p: &Parameters,

@@ -150,8 +150,8 @@ pub fn push_air(p: &Parameters, s: &State, i: usize) -> DVec3 {
     s.pushed.get(i).map_or(DVec3::ZERO, |a| p.step * *a)
 }
 
-/// Place wrap(x + Δt (v + ½ c)) of an air particle \[m\], and its velocity v + ⅓ c \[m/s\], by BDF2: v with what acts
-/// from outside, c the change by pressure in the last step.
+/// Place wrap(x + Δt (v + ½ c)) of an air particle \[m\], and its velocity v + ⅓ c \[m/s\], by BDF2: v with the change
+/// by external forces, c the change by pressure in the last step.
 #[must_use]
 pub fn advance(p: &Parameters, position: DVec3, velocity: DVec3, change: DVec3) -> (DVec3, DVec3) {
     (wrap(p, position + p.step * (velocity + 0.5 * change)), velocity + change / 3.0)

@@ -1,4 +1,4 @@
-//! Stage `neighbours`: a list says who is near whom. Every pair is looked at.
+//! Stage `neighbours`: lists of neighbours, by a test of every pair.
 
 use glam::DVec3;
 

@@ -1,6 +1,6 @@
 //! Stage `rods`: Cosserat rods (Kugelstadt & Schömer 2016), integrated by BDF2 or Euler, solved directly or by
-//! Gauss-Seidel. Forces on hair from outside its rods meet in one load of each point; air that drags hair is slowed by
-//! it. Contacts with bodies are solved with the rods.
+//! Gauss-Seidel. External forces on hair are summed in one load of each point; air that drags hair is slowed by it.
+//! Contacts with bodies are solved with the rods.
 
 mod drag;
 mod gauss_seidel;
@@ -31,7 +31,7 @@ use crate::{
 
 /// Stretch |l/l0 − 1| of a segment beyond which its strand is strained.
 pub const STRAINED: f64 = 0.05;
-/// Over-strained steps on end at which a strand is warned of.
+/// Consecutive over-strained steps at which a strand is warned of.
 pub const STRAINED_STEPS: u32 = 50;
 /// Resistance Δt w D_n from which on a strand in the wind takes Euler.
 pub const STORMY: f64 = 1.0 / 3.0;
@@ -46,10 +46,10 @@ pub const STILL_TURN: f64 = 1e-3;
 /// Function that adds a force to the load of each hair point, [`Point::load`].
 pub type Force = fn(&mut state::State, &mut Scratch, &Parameters);
 
-/// Forces on hair from outside its rods, each with the name of its pass, in the order in which they act.
+/// External forces on hair, each with the name of its pass, in the order in which they act.
 pub const FORCES: &[(&str, Force)] = &[("rods/drag", drag::act), ("rods/push_hair", push_hair)];
 
-/// Runs the stage: strands keep their length and shape, and what drag gave them the air loses.
+/// Runs the stage: strands keep their length and shape, and the air loses the impulse of its drag on them.
 pub fn run(s: &mut state::State, w: &mut Scratch, p: &Parameters, see: &mut Observer<'_>) {
     begin(s, w, p);
     see("rods/begin", s, w);
@@ -116,8 +116,8 @@ pub fn push_hair(s: &mut state::State, w: &mut Scratch, _: &Parameters) {
     }
 }
 
-/// Impulses of the air's drag \[N s\]: those of the whole load without what the acceleration that was set gave. A point
-/// that was placed felt neither.
+/// Impulses of the air's drag \[N s\]: those of the whole load less those of the acceleration that was set. A placed
+/// point that does not sleep has neither.
 #[must_use]
 pub fn exclude_push(s: &state::State, w: &Scratch, p: &Parameters) -> Vec<DVec3> {
     let mut impulses = w.drag_impulse.clone();

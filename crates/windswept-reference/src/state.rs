@@ -20,10 +20,10 @@ pub struct State {
     pub angular_velocity: Vec<DVec3>,
     /// Move of each hair point in the last step \[m\].
     pub displacement: Vec<DVec3>,
-    /// Velocity of each hair point one step before, with all that acted from outside since \[m/s\].
+    /// Velocity of each hair point one step before, with the changes by external forces since \[m/s\].
     pub velocity_before: Vec<DVec3>,
-    /// Change of each hair point's velocity by all that acted from outside in its last step awake, a mean of those on
-    /// end in which its strand rested \[m/s\]; 0 with the model `particles`.
+    /// Change of each hair point's velocity by external forces in its last step awake, a mean over the consecutive
+    /// steps in which its strand rested \[m/s\]; 0 with the model `particles`.
     pub external_dv: Vec<DVec3>,
     /// Change of each hair point's velocity by its rod and gravity in its last step awake \[m/s\]; 0 with the model
     /// `particles`.
@@ -50,7 +50,7 @@ pub struct State {
     pub tip_targets: Vec<DVec3>,
     /// Force that holds each strand's tip, where it is held \[N\].
     pub tip_force: Vec<DVec3>,
-    /// Number of steps on end in which each strand was at rest.
+    /// Number of consecutive steps in which each strand was at rest.
     pub resting: Vec<u32>,
     /// Whether each strand sleeps.
     pub sleeping: Vec<bool>,
@@ -69,9 +69,9 @@ pub struct State {
     pub failed: Vec<bool>,
     /// Number of times that a strand was not finite, so far.
     pub resets: usize,
-    /// Number of steps on end in which each strand had a segment stretched or crushed by more than a twentieth.
+    /// Number of consecutive steps in which each strand had a segment stretched or crushed by more than a twentieth.
     pub strained_steps: Vec<u32>,
-    /// Number of times that a strand was over-strained for [`crate::rods::STRAINED_STEPS`] steps on end, so far.
+    /// Number of times that a strand was over-strained for [`crate::rods::STRAINED_STEPS`] consecutive steps, so far.
     pub over_strained: usize,
     /// Number of times that a hair point's exchange with the air was limited, so far.
     pub limited: usize,

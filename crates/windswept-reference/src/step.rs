@@ -29,7 +29,7 @@ pub fn step(state: &mut State, p: &Parameters) -> Result<(), Frozen> {
     step_observed(state, p, &mut unobserved)
 }
 
-/// [`step`], with an observer. A pass of which it does not hear belongs to the next of which it does.
+/// [`step`], with an observer. The observer gets no call for some passes: their results are seen at the next call.
 ///
 /// # Errors
 /// Those of [`step`].
@@ -39,7 +39,7 @@ pub fn step_observed(state: &mut State, p: &Parameters, see: &mut Observer<'_>) 
     let invalid = forcing::recover(&mut s);
     see("forcing/reset", &s, &Scratch { invalid, ..Scratch::default() });
     let mut w = Scratch { invalid, ..forcing::run(&s, p, see) };
-    // 2. List who is near whom.
+    // 2. List neighbours.
     neighbours::run(&mut w, p);
     see("neighbours/list", &s, &w);
     // 3. Pressure, or density constraints (eq. 1), of hair and air together or each for itself.
@@ -49,7 +49,7 @@ pub fn step_observed(state: &mut State, p: &Parameters, see: &mut Observer<'_>) 
     // 5. Air flows around bodies.
     contact::run(&mut w, p);
     see("contact/body_impulse", &s, &w);
-    // 6. Strengthen the eddies of each band (eqs. 2, 4-6), air only.
+    // 6. Strengthen the eddies of each band (eqs. 2 to 6), air only.
     turbulence::run(&mut s, &mut w, p, see);
     // 7. Neighbours share velocity (eqs. 7, 8).
     viscosity::run(&s, &mut w, p);

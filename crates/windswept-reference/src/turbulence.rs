@@ -1,4 +1,4 @@
-//! Stage `turbulence`: vorticity confinement by bands of eddies (eqs. 2, 4-6), air only.
+//! Stage `turbulence`: vorticity confinement by bands of eddies (eqs. 2 to 6), air only.
 //!
 //! Arrays run over all particles, hair first; a quantity that only air has is zero at hair. *Band* is the accurate law,
 //! *published* the law as the paper prints it, in mg and mm. Every sum is direct: over all particles, through all
@@ -22,7 +22,7 @@ use crate::{
     step::{Observer, Scratch},
 };
 
-/// Coefficient ε of the published law, read as an acceleration: a = ε ê (N × ω).
+/// Coefficient ε of eq. 3, read as an acceleration: a = ε ê (N × ω).
 const PUBLISHED_GAIN: f64 = 0.008;
 /// Millimetres in a metre.
 pub const MM: f64 = 1e3;

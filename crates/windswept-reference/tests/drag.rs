@@ -109,7 +109,8 @@ fn area_is_that_of_all_fibres() {
     assert!((ratio(thick[2], one[0]) - 60.0 * c_d(4.0 * HAIR) / c_d(HAIR)).abs() < 1e-9);
 }
 
-/// Nothing at rest in still air or moving with the wind, and no NaN; a segment of no length neither.
+/// Drag is 0, and not NaN, on hair at rest in still air, on hair that moves with the wind, and on a segment of no
+/// length.
 #[test]
 fn what_moves_with_the_air_feels_nothing() {
     let mut hair = straight(4, 0.04);

@@ -110,7 +110,7 @@ fn a_loose_segment_spins() {
 
 /// Tip of a strand that has come to rest under its weight, from the root and over its length, after `time` seconds.
 ///
-/// Velocities are damped from outside: `rods.damping` acts on v + g Δt and so lessens the weight by c Δt.
+/// External damping slows it: `rods.damping` acts on v + g Δt and so lessens the weight by c Δt.
 fn hang(rod: &Rod, time_step: f64, sweeps: u32, time: f64) -> DVec3 {
     let (mut state, mut p) = alone(rod.strand(DVec3::ZERO));
     (p.step, p.rod_iterations) = (time_step, sweeps);
@@ -256,7 +256,7 @@ fn many_bad_strands_end_the_run() {
     }
 }
 
-/// Over-strain is counted once, when it has lasted 50 steps on end.
+/// Over-strain is counted once, when it has lasted 50 consecutive steps.
 #[test]
 fn lasting_strain_is_counted_once() {
     let hair = curled(10.0, horizontal_frame()).strand(DVec3::ZERO);

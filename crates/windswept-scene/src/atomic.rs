@@ -44,7 +44,7 @@ impl AtomicFile {
     /// Makes the part, empty.
     ///
     /// # Errors
-    /// The system's error, also where somebody has put something there meanwhile.
+    /// The system's error, also if another process has put something there meanwhile.
     pub fn create(&self) -> io::Result<File> {
         File::create_new(&self.part)
     }

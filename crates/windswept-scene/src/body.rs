@@ -1,7 +1,7 @@
 //! Bodies that hair and air stay out of: `[[body]]`.
 //!
-//! Everything about a body that depends on its shape stands here, for the CPU, and in `shaders/common/body.wgsl`, for
-//! the GPU. Everybody else asks a [`CheckedShape`] for its signed distance, its bounds or its skin.
+//! This file for the CPU, and `shaders/common/body.wgsl` for the GPU, have the code that depends on a body's shape.
+//! Other modules ask a [`CheckedShape`] for its signed distance, its bounds or its skin.
 
 use std::f64::consts::{PI, TAU};
 

@@ -415,7 +415,7 @@ impl Leaf for [f64; 3] {
         true
     }
 
-    /// A direction is a unit vector. One that is so already is left alone, so that its bits stay.
+    /// A direction is a unit vector. A vector of unit length is left as it is, so that its bits stay.
     fn as_checked(&self, kind: Kind) -> Self {
         let v = DVec3::from_array(*self);
         let is_unit = (v.length_squared() - 1.0).abs() < 4.0 * f64::EPSILON;

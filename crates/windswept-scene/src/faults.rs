@@ -4,7 +4,7 @@ use std::cell::RefCell;
 
 use crate::{declare::join, error::SceneError};
 
-/// Most faults that are kept: more help nobody.
+/// Most faults that are kept and reported.
 const MOST: usize = 20;
 
 /// Faults that were found so far.

@@ -1,4 +1,4 @@
-//! Bands whose filter would take more memory or time than anybody has.
+//! Bands whose filter would take too much memory or time.
 
 use std::f64::consts::PI;
 
@@ -68,7 +68,7 @@ fn excess_of_taps(scale: f64, nodes: [f64; 3], size: DVec3) -> Option<Excess> {
 fn excess_of_pairs(scale: f64, reach: f64, radius: f64, particles: f64, size: DVec3) -> Option<Excess> {
     let volume = size.element_product();
     let pairs = particles * particles / volume * 4.0 / 3.0 * PI * reach.powi(3);
-    // Particles of a row look together, those of eight kernel radii; nobody looks where nobody is.
+    // Particles in a row within eight kernel radii share one walk; empty blocks are skipped.
     let blocks = size.y * size.z / radius.powi(2) * (size.x / (8.0 * radius)).ceil();
     let rows = blocks.min(particles) * (2.0 * reach / radius).powi(2);
     let walking = PAIRS_PER_ROW * rows;

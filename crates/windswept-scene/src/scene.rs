@@ -92,12 +92,13 @@ table! {
     }
 }
 
-/// A scene with every value, in range, that goes with the others: [`Scene::check`] makes it, and nobody changes it.
+/// A scene with every value, in range and consistent with the others: [`Scene::check`] makes it, and it does not
+/// change.
 #[derive(Debug, Clone)]
 pub struct CheckedScene {
     scene: Scene,
     values: SceneValues,
-    /// The scene as text, once somebody asked for it.
+    /// The scene as text, once it was asked for.
     text: OnceLock<String>,
 }
 

@@ -338,7 +338,7 @@ impl Content {
                 "the mesh is {}. For one that is so large, give a larger resolution",
                 with_scale(size, scale, &LIKELY)
             )),
-            // The key that makes the grid, if somebody wrote it.
+            // The key that sets the grid's spacing, if the scene has it.
             (_, resolution) => error.at(if resolution.is_some() { "resolution" } else { "file" }, None),
         })?;
         let inradius = grid.inradius();

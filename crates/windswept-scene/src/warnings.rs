@@ -188,7 +188,7 @@ pub(crate) fn of_fields(scene: &SceneValues, hair: &Strands, air: &AirParticles)
 /// A warning where places in the world, which films, pictures and arrays have in f32, are too coarse for the segments.
 pub(crate) fn of_place(hair: &Strands) -> Option<String> {
     let far = hair.positions.iter().map(|x| x.abs().max_element()).fold(0.0, f64::max);
-    // Half of what the last bit of a place means.
+    // Largest rounding error of a coordinate: half a unit in its last place.
     let rounding = 0.5 * f64::from(f32::EPSILON) * far;
     let shortest = hair.rest_length.iter().copied().fold(f64::INFINITY, f64::min);
     (rounding > MUCH_ROUNDED * shortest).then(|| {

@@ -74,7 +74,7 @@ const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
     ("max = [0.1, 0.1, 0.1]", "max = [100.0, 100.0, 100.0]", 12, "air.box", &["would hold 8.836e12 particles", "at most 50000000"]),
     ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, 0.0, 0.0]\nparticle_mass = 1e-3", 12, "air.box", &["would hold 1.290 particles", "at least 27"]),
     ("max = [0.1, 0.1, 0.1]", "max = [0.1, 0.0278, 0.1]", 12, "air.box", &["at least 3 kernel radii, 0.0279 m; found 0.0278 m in y"]),
-    // A grid that wraps or cannot be summed; a kernel that reaches nobody.
+    // A grid that wraps or cannot be summed; a kernel that reaches no neighbour.
     ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, 0.0, 0.0]\nkernel_radius = 1e-6", 14, "air.kernel_radius", &["makes 1.000e15 cells of the box", "at most 8e6"]),
     ("wind = [3.0, 0.0, 0.0]", "kernel_radius = 4.9e-4\nparticle_mass = 2.7e-11\nwind = [3.0, 0.0, 0.0]", 13, "air.kernel_radius", &["makes 8.490e6 cells", "at most 8e6, about 0.0004998 m"]),
     ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, 0.0, 0.0]\nkernel_radius = 5.8e-3", 14, "air.kernel_radius", &["is 1.199 of the particle spacing, 0.00483713 m", "at least 1.2 of it, 0.00580456 m"]),

@@ -310,7 +310,7 @@ fn roots_are_scattered_on_a_mesh() {
     assert!(first(&glass).abs().distance(DVec3::X) < 0.02 || first(&glass).x.abs() > 0.7, "{}", first(&glass));
     let other = InitialState::new(&Scene { seed: 2, ..top.scene().clone() }.check().unwrap()).unwrap();
     assert_ne!(other.hair.positions, state.hair.positions);
-    // Nothing of all this starts inside the body.
+    // No hair starts inside the body.
     let all = InitialState::new(&roots("", body)).unwrap();
     assert!(all.warnings.is_empty() && state.warnings.is_empty(), "{:?} {:?}", all.warnings, state.warnings);
     let on_top = all.hair.roots().filter(|x| (x.y - 0.1).abs() < 1e-8).count() as f64;

@@ -23,7 +23,7 @@ pub struct Aliasing {
     textures: Vec<usize>,
 }
 
-/// When something is needed: the passes of all recordings are numbered on end.
+/// Times at which an array is needed: ranges of passes, which are numbered through all recordings.
 type Times = Vec<Range<usize>>;
 
 /// Blocks of memory, each with its first array, and when it is needed: `None` takes no other array.

@@ -12,7 +12,7 @@ pub enum Lifetime {
     Static,
     /// For good, and it carries something from one step to the next: checkpoints hold it.
     Checkpointed,
-    /// Until the recording that wrote it has run, and somebody has read it.
+    /// Until the recording that wrote it has run, and the caller has read it.
     Output,
     /// Until the last pass of the recording that binds it.
     Transient,

@@ -51,8 +51,8 @@ pub struct Engine {
     params: Vec<Params>,
     state: State,
     memory: Memory,
-    /// Whether somebody other than a step has written what `forcing/reset` looks at: places, velocities, clamps, or
-    /// what points remember; the setup does not count.
+    /// Whether a caller has written arrays that `forcing/reset` checks: positions, velocities, clamps, or histories of
+    /// points; steps and the setup do not count.
     hair_was_written: AtomicBool,
 }
 
@@ -262,7 +262,7 @@ impl Engine {
         self.memory.write_bytes(&self.gpu, array, 0, bytes)
     }
 
-    /// Whether somebody other than a step has written into the hair since the engine was made.
+    /// Whether a caller has written into the hair since the engine was made.
     pub(crate) fn hair_was_written(&self) -> bool {
         self.hair_was_written.load(Ordering::Relaxed)
     }

@@ -56,7 +56,8 @@ pub struct Gpu {
     replaced: Pipelines,
 }
 
-/// Pipelines by the names of their passes, and how the switches of each are set. Who makes one locks it alone.
+/// Pipelines by the names of their passes and the settings of their switches. A thread that makes a pipeline locks only
+/// that entry.
 type Pipelines = Arc<Mutex<HashMap<(&'static str, Vec<bool>), Kept>>>;
 
 /// A pipeline, once it is made.

@@ -168,7 +168,7 @@ impl<'a> Recorder<'a> {
         for (page, list) in (0..count).zip(&pages) {
             let before = |workgroups| clusters::workgroups_of_page(workgroups, page, count);
             let workgroups = before(end) - before(first);
-            // A pass over nobody, and one that is skipped, is recorded once.
+            // A pass without clusters, or a skipped one, is recorded once instead of once per page.
             let once = clusters.is_empty() || self.skipping.is_some();
             if (once && page == 0) || (!once && workgroups > 0) {
                 let invocations = (workgroups * WORKGROUP).min(LANES * clusters.len() as u32);

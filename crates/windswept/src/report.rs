@@ -9,8 +9,8 @@ use crate::{
     gpu::{AdapterInfo, ShaderVariant},
 };
 
-/// The report of a run so far. What was not measured is left out, never null; in report.json of a run that failed so is
-/// what is not finite.
+/// The report of a run so far. A quantity that was not measured is left out, never null; report.json of a failed run
+/// also leaves out quantities that are not finite.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Report {
     /// Version of this schema.

@@ -58,7 +58,7 @@ pub struct Simulation {
     wind_set: Option<DVec3>,
     /// The function that says what pushes in each step, where one was set.
     callback: Option<force::Callback>,
-    /// Engine steps that the state had when this simulation was made: more than 0 if it goes on from a checkpoint.
+    /// Engine steps in the loaded state; 0 for a new run.
     first_substep: u32,
     steps: u64,
     last: Status,
@@ -75,7 +75,7 @@ pub struct Simulation {
     recovered: (u64, u32),
     /// Files that the scene names, as they were when it was saved first.
     files: OnceLock<checkpoint::Files>,
-    /// When each pass of the timed steps ran; `None` unless somebody asked for it.
+    /// When each pass of the timed steps ran; `None` unless a trace is kept.
     trace: Option<Vec<Span>>,
 }
 
@@ -283,10 +283,10 @@ impl Simulation {
         }
     }
 
-    /// Reads the status after a submit. Where a step needed a longer neighbour list it grows. Where something was not
-    /// finite for the first time, air or hair, the step gets the passes that recover strands. The frozen steps are then
-    /// not done, so compare [`Self::steps`] and record them again. Turns what ended the run into an error: what is not
-    /// finite although these passes ran.
+    /// Reads the status after a submit. Where a step needed a longer neighbour list the list grows. Where air or hair
+    /// was not finite for the first time, the step gets the passes that recover strands. The frozen steps are then not
+    /// done, so compare [`Self::steps`] and record them again. A value that is not finite although these passes ran
+    /// ends the run with an error.
     ///
     /// # Errors
     /// [`RunError`] names what ended the run.
@@ -294,14 +294,14 @@ impl Simulation {
         let status = self.engine.status()?;
         let step = u64::from(status.step) / self.substeps();
         self.note_resets(&status);
-        // A step that froze was not made: the wind is that at its start.
+        // A frozen step is not committed: the wind is that at its start.
         self.last = Status { wind: if status.causes == 0 { status.wind } else { status.wind_before }, ..status };
         self.steps = step;
         if let Some(thawed) = self.engine.grow_if_short(&status, step)? {
             self.last = thawed;
             self.record_again()?;
         } else if status.causes != 0 && !self.plan.recovers_strands() {
-            // Air, or many strands, may be lost to one that nobody looked at.
+            // An invalid strand may be the cause, as the recovery passes were left out.
             tracing::debug!(step, "strands are recovered from now on");
             self.plan.recover_strands();
             self.last = self.engine.thaw(&status)?;
@@ -327,7 +327,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Lets strands be recovered from now on, if somebody else than a step has written what they are.
+    /// Lets strands be recovered from now on, if a caller has written into the hair.
     fn recover_written_strands(&mut self) -> Result<(), GpuError> {
         if !self.engine.hair_was_written() || self.plan.recovers_strands() {
             return Ok(());
@@ -345,8 +345,7 @@ impl Simulation {
         u64::from(step) < u64::from(self.first_substep) + self.substeps()
     }
 
-    /// Number of substeps in the next batch. The first step goes substep by substep: nobody knows yet how long they
-    /// take.
+    /// Number of substeps in the next batch. The first step goes substep by substep, since their time is not known yet.
     fn batch(&self) -> u64 {
         let Some(step_ms) = self.step_ms.last().or(self.first_step_ms.as_ref()) else { return 1 };
         let most = if self.is_first_step(self.last.step) { 1 } else { STEPS_PER_BATCH };

@@ -217,10 +217,10 @@ macro_rules! state {
 
 state! {
     [Static] // Lies alone. First what the host derives from the scene.
-    /// Uniform: what stays the same from step to step, for each page of the neighbour list; then per grid of the band
-    /// filter, with its cells in place of the box's.
+    /// Uniform: the numbers that stay the same from step to step, for each page of the neighbour list; then per grid of
+    /// the band filter, with its cells in place of the box's.
     params: Params, |s| s.grids + PAGES;
-    /// Uniform per dispatch of the band filter: scale, law and the stretch of the box.
+    /// Uniform per dispatch of the band filter: scale, law and the part of the box.
     band: Band, |s| s.band_tasks;
     /// Uniform per band of the grid filter and axis: nodes, spacing, taps.
     mesh: Mesh, |s| s.mesh_tasks;
@@ -239,7 +239,7 @@ state! {
     /// Orientation of a segment: quaternion (x, y, z, w), material frame to world.
     orientation: Vec4, |s| s.segments;
     /// History of a hair point: the last move \[m\], the velocity before \[m/s\], what rounding left off the
-    /// position \[m\], what acted on it from outside and from its own rod in the last step awake, its tangential spring
+    /// position \[m\], the changes by external forces and by its own rod in the last step awake, its tangential spring
     /// \[m/s\], its drift since it became still \[m\].
     point_history: PointHistory, |s| s.hair_points;
     /// History of a segment: the last turn \[rad\], its angular velocity in the world and that before \[rad/s\],
@@ -249,7 +249,7 @@ state! {
     /// itself \[m²/s\].
     pressed_before: Pressed, |s| s.pressed;
     /// History of a strand: where its clamp is, and its ghost frame; whether it is not finite, over-strained and
-    /// still, in steps on end; whether BDF2 may follow.
+    /// still, in consecutive steps; whether BDF2 may follow.
     strand_history: StrandHistory, |s| s.strands;
     /// Forces of each contact of hair with a body in the step before \[N\].
     contact_history: ContactHistory, |s| s.contacts();
@@ -296,7 +296,8 @@ state! {
     field_keyframes: [f32; 2], |s| s.field_keys;
 
     // Results of the last step for a caller.
-    /// The air at a hair point: where it was sampled, how much of it there is, its velocity, how it gives way.
+    /// The air at a hair point: where it was sampled, its volume fraction θ, its velocity, and G, by which it yields to
+    /// an impulse (`rods/sample_air`).
     sampled: Sampled, |s| s.sampled;
     /// Impulse that the air's drag gave a hair point in this step \[N s\].
     drag_impulse: Vec4, |s| s.hair_points;
@@ -324,8 +325,8 @@ state! {
     /// Fourth page of the neighbour list.
     neighbour_list_4: [u32; 4], |s| if s.pages > 3 { s.neighbours } else { 0 };
 
-    [Output] // What is measured between steps.
-    /// Place, velocities, force from outside, free move and move of a hair point in this step. Every pass that knows a
+    [Output] // Results that are measured between steps.
+    /// Place, velocities, external force, free move and move of a hair point in this step. Every pass that knows a
     /// force on hair adds to `force` \[N\] and `resistance` \[kg/s\], which the rods take implicitly.
     rod_points: RodPoint, |s| s.hair_points;
     /// Move of a strand's clamp in this step, whether the strand is solved, and how it is found.
@@ -359,10 +360,11 @@ state! {
     velocity_shift: Vec4, |s| s.constrained;
     /// Effect of the pressure on a particle in this step so far.
     pressed: Pressed, |s| s.pressed;
-    /// Matrix that corrects the gradients of the kernel at a particle, and how its divergence gives way \[1/m²\].
+    /// Matrix that corrects the gradients of the kernel at a particle, and the change of its divergence by its own
+    /// pressure \[1/m²\].
     gradients: Gradients, |s| s.pressed;
     /// The wall that a body is to a particle near it: normal, distance, speed, the part of the kernel beyond it, and
-    /// what the body has had of the particle.
+    /// the impulse that the body has had from the particle.
     wall: Wall, |s| s.walls();
     /// Push of a particle on its neighbours \[1/(m s)\], and its divergence \[1/s\].
     stress: Stress, |s| s.pressed;
@@ -420,8 +422,8 @@ state! {
     band_velocity: Vec4, |s| s.turbulent();
     /// Change of velocity of a particle by confinement in this step, all bands \[m/s\].
     confinement: Vec4, |s| s.turbulent();
-    /// Up to eight sums over the particles of a workgroup each: of what air in the fringe misses of the wind \[m/s²\],
-    /// of the confinement, or of what the coarse pressure does.
+    /// Up to eight sums over the particles of a workgroup each: of the deficit of the air in the fringe to the wind
+    /// \[m/s²\], or of the changes by confinement or by the coarse pressure.
     partial_sum: [f32; 8], |s| s.air().div_ceil(WORKGROUP * TERMS);
     /// Sums over the air, as of the coarse pressure's change: the first is that of the confinement \[m/s\].
     confinement_total: Vec4, |_| 2;

@@ -23,11 +23,11 @@ const ONE_WORKGROUP: u32 = 1;
 /// Records one step.
 pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     forcing::record(r, plan); //      1. Bad strands are reset; clamps, bodies and air move; wind enters; hair drifts.
-    neighbours::record(r, plan); // 2. Sort particles into cells, list who is near whom.
-    fluid::record(r, plan); //      3. Nothing is compressed: by pressures, or a density constraint (eq. 1).
+    neighbours::record(r, plan); // 2. Sort particles into cells, list neighbours.
+    fluid::record(r, plan); //      3. Air stays incompressible: by pressures, or a density constraint (eq. 1).
     rods::record(r, plan); //       4. Strands keep their length and shape, and stay out of bodies.
     contact::record(r, plan); //    5. Air flows around bodies.
-    turbulence::record(r, plan); // 6. Strengthen the eddies of each band (eqs. 2, 4-6), air only.
+    turbulence::record(r, plan); // 6. Strengthen the eddies of each band (eqs. 2 to 6), air only.
     viscosity::record(r, plan); //  7. Neighbours share velocity (eqs. 7, 8).
     commit::record(r, plan); //      8. Commit, or freeze and report.
 }
@@ -83,8 +83,8 @@ impl Plan {
         self.conditions.set_force(is_set);
     }
 
-    /// Lets the passes run from now on that recover strands: those that are not finite, or that somebody else than a
-    /// step has written. A step freezes where there is one and no pass recovers it.
+    /// Lets the passes run from now on that recover strands: those that are not finite, or that a caller has written. A
+    /// step freezes where there is such a strand and no pass recovers it.
     pub fn recover_strands(&mut self) {
         self.conditions.recover = self.conditions.hair.clone();
     }
@@ -117,8 +117,8 @@ pub enum Quantity {
     Vorticity,
 }
 
-/// All that a simulation of this plan runs: its step, also as it is once a wind is set, which may be zero, or a force,
-/// each also with the passes that recover strands, and the passes of each quantity.
+/// Recordings that a simulation of this plan runs: its step, also as it is once a wind is set, which may be zero, or a
+/// force, each also with the passes that recover strands, and the passes of each quantity.
 #[must_use]
 pub fn recordings(state: &State, plan: &Plan) -> Vec<Recording> {
     let set = |wind: Option<bool>, force: bool| {

@@ -149,15 +149,15 @@ use crate::sink::{{FrameSink, Start}};
 
 /// Writes frames as {name}.
 #[derive(Debug)]
-pub(crate) struct Film;
+pub(crate) struct Sink;
 
-impl Film {{
+impl Sink {{
     pub(crate) fn new(_start: &Start<'_>) -> Self {{
         Self
     }}
 }}
 
-impl FrameSink for Film {{
+impl FrameSink for Sink {{
     fn append(&mut self, _frame: &Frame) -> Result<(), ExportError> {{
         Ok(())
     }}
@@ -189,7 +189,7 @@ fn another_program_reads_{name}() {{
             at: At::Inside("pub const FORMATS".to_owned(), "\n];"),
             text: format!(
                 "\n    Format {{\n        name: \"{name}\",\n        writes: \"say what\",\n        files: &[\"hair.{name}\"],\n        \
-                 made_again: true,\n        create: Some(|start| Ok(Box::new(crate::{name}::Film::new(start)))),\n        \
+                 made_again: true,\n        create: Some(|start| Ok(Box::new(crate::{name}::Sink::new(start)))),\n        \
                  film: None,\n    }},"
             ),
         },

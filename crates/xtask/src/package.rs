@@ -1,4 +1,4 @@
-//! `cargo xtask package`: what would be published, each built from its own package. Nothing is uploaded.
+//! `cargo xtask package`: the crates and the wheel that would be published, each built from its own package; no upload.
 
 use std::process::Command;
 

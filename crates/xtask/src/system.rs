@@ -39,7 +39,7 @@ pub(crate) fn install(lacking: &str, package: Package) -> Result {
     if !apt {
         return Err(what_to_type(lacking, package));
     }
-    // A prompt would hang where nobody answers.
+    // Without a terminal a prompt would wait for ever.
     as_root.arg("DEBIAN_FRONTEND=noninteractive").arg("apt-get");
     let apt_get = |arguments: &[&str]| {
         let mut command = Command::new(as_root.get_program());

@@ -1,4 +1,4 @@
-//! `target/venv`, and others: Python environments for what comes from PyPI. Nothing outside `target/` changes.
+//! `target/venv`, and others: Python environments for packages from PyPI. They change no file outside `target/`.
 
 use std::path::PathBuf;
 use std::process::Command;

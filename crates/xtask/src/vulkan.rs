@@ -37,7 +37,7 @@ pub(crate) fn software_driver() -> Result<Option<PathBuf>> {
     if has_loader() { lavapipe().map(Some).ok_or_else(not_there_yet) } else { Err(not_there_yet()) }
 }
 
-/// Sets `XDG_RUNTIME_DIR` for a command where it is unset, as on a machine that nobody is logged in to: without it the
+/// Sets `XDG_RUNTIME_DIR` for a command where it is unset, as on a machine without a login session: without it the
 /// Vulkan loader's window systems print an error, though no window is opened.
 pub(crate) fn give_runtime_folder(command: &mut Command) {
     if std::env::var_os("XDG_RUNTIME_DIR").is_none() {

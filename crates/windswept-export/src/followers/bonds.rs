@@ -1,4 +1,4 @@
-//! Which strands a hair goes with, and how much of each.
+//! Guides of a follower, the strands that it goes with, and their weights.
 
 use glam::Vec3;
 use windswept::HairFrame;
@@ -6,9 +6,9 @@ use windswept::HairFrame;
 use super::places::{NEIGHBOURS, Places, spaces};
 use super::points_of;
 
-/// Weights below this are none.
+/// Weights below this are set to 0.
 const MIN_WEIGHT: f32 = 1e-6;
-/// Distance within which two curves are one \[m\].
+/// Distance of points within which two curves are the same \[m\].
 const SAME: f32 = 1e-6;
 
 /// Guides of a follower and their weights.
@@ -16,9 +16,9 @@ const SAME: f32 = 1e-6;
 pub(super) struct Bond {
     pub(super) guides: [u32; 3],
     pub(super) weights: [f32; 3],
-    /// The strand whose room it grows in.
+    /// The strand whose space on the surface the follower grows in: its own, or that with the nearest root.
     pub(super) own: u32,
-    /// Whether it is that strand.
+    /// Whether the follower is the strand `own` itself.
     pub(super) is_strand: bool,
 }
 
@@ -29,7 +29,7 @@ pub(super) struct Group<'a> {
     places: Places,
     /// Mean distance of each strand to those around it \[m\].
     pub(super) spacing: Vec<f32>,
-    /// The strands around each.
+    /// Indices of the strands nearest to each strand, nearest first.
     around: Vec<Vec<usize>>,
 }
 
@@ -40,7 +40,7 @@ impl<'a> Group<'a> {
         Self { strands, range, places, spacing, around }
     }
 
-    /// The bond of a hair with this root. The hair grows in the room of the strand `own`, or of the strand with the
+    /// The bond of a hair with this root. The hair grows in the space of the strand `own`, or of the strand with the
     /// nearest root.
     pub(super) fn bond(&self, root: Vec3, own: Option<usize>) -> Bond {
         let near: Vec<usize> = match own {
@@ -56,7 +56,7 @@ impl<'a> Group<'a> {
         let strand = |i: usize| (self.range.start + i) as u32;
         let three = [0, 1, 2].map(|k| near[k.min(near.len() - 1)]);
         let mut weights = weights(root, three.map(|i| self.places.points[i]));
-        // Of two strands or one, the last is there more than once.
+        // A group of one or two strands repeats its last strand as guide, with weight 0.
         weights.iter_mut().skip(near.len()).for_each(|weight| *weight = 0.0);
         let sum: f32 = weights.iter().sum();
         let own = own.map_or(strand(three[0]), |own| own as u32);
@@ -68,7 +68,7 @@ impl<'a> Group<'a> {
         Bond { guides: [s as u32; 3], weights: [1.0, 0.0, 0.0], own: s as u32, is_strand: true }
     }
 
-    /// The strand that a file's curve of these points is, if it is one: it starts where that does, and has its shape.
+    /// The strand with these points, those of a curve in a file, if there is one.
     pub(super) fn of_curve(&self, points: &[Vec3]) -> Option<usize> {
         let near = self.places.nearest(points[0], NEIGHBOURS).into_iter().map(|(i, _)| self.range.start + i);
         let same = |&s: &usize| {
@@ -86,7 +86,7 @@ fn weights(x: Vec3, places: [Vec3; 3]) -> [f32; 3] {
     let normal = (b - a).cross(c - a);
     let area = normal.length_squared();
     let longest = (b - a).length_squared().max((c - a).length_squared());
-    // A triangle that is thinner is a line.
+    // A thinner triangle counts as a line, without barycentric weights.
     if area > 1e-6 * longest * longest {
         let part = |p: Vec3, q: Vec3| (q - p).cross(x - p).dot(normal) / area;
         let weights = [part(b, c), part(c, a), part(a, b)].map(|w| if w.abs() < MIN_WEIGHT { 0.0 } else { w });

@@ -32,7 +32,7 @@ fn around(points: &[DVec3], order: &[usize], rank: usize, axis: usize) -> [(f64,
             (Some(_), None) => below.next(),
             _ => above.next(),
         };
-        // All that is left is farther along the axis alone.
+        // The remaining points are farther away along the axis alone than the fourth nearest.
         let Some(&next) = next.filter(|next| gap(**next) < best[FOUR - 1].0) else { return best };
         let distance = points[next].distance(point);
         if distance < best[FOUR - 1].0 {

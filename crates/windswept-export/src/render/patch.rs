@@ -67,7 +67,7 @@ fn corners_of(roots: &RootPatch) -> impl Iterator<Item = (DVec3, DVec3)> + use<>
             let at = |i: f64, k: f64| solid(shape, i / f64::from(OUTLINE - 1), TAU * k / f64::from(SIDES), radius);
             let (i, k, e) = (f64::from(i), f64::from(k), 1e-3);
             let slopes = (at(i + e, k) - at(i - e, k)).cross(at(i, k + e) - at(i, k - e));
-            // Nothing turns about at a pole.
+            // At a pole the derivative by the angle is 0, and the normal is the axis.
             let normal = (basis * slopes).normalize_or(if i == 0.0 { axis } else { -axis });
             (center + basis * at(i, k), normal)
         })

@@ -105,7 +105,7 @@ type Messages = Vec<(u64, Vec<u8>)>;
 impl Hdf5 {
     pub(super) fn open(path: &Path) -> Result<Self> {
         let file = File::open(path).map_err(|e| e.to_string())?;
-        // On a file system without locks nobody is kept out.
+        // A file system without locks keeps no writer out.
         if let Err(TryLockError::WouldBlock) = FileExt::try_lock_shared(&file) {
             return Err("another run is writing here".to_owned());
         }

@@ -58,7 +58,7 @@ impl VtkHdfReader {
         let times: Vec<f64> = file.read(&values, 0, finished.min(values.rows))?;
         let points = needed("NumberOfPoints")?;
         let points = file.read::<i64>(&points, 0, 1)?[0].max(0) as usize;
-        // The group with cells is the one that the file is about.
+        // A file of hair has lines, a file of air has none.
         let lines: Vec<i64> = all(&file, &needed("Lines/Offsets")?, points / 2 + 1)?;
         let kind = if lines.len() > 1 { Kind::Hair } else { Kind::Air };
         let of_hair = |name| if kind == Kind::Hair { some(name) } else { Ok(None) };
@@ -78,7 +78,7 @@ impl VtkHdfReader {
         if kind == Kind::Hair {
             still.offsets = lines.iter().map(|&first| first as u32).collect();
         }
-        // None where they are what an index says.
+        // Ids that equal the indices are left out.
         if still.ids.iter().zip(0..).all(|(id, index)| *id == index) {
             still.ids.clear();
         }
@@ -221,8 +221,7 @@ mod tests {
     use super::*;
     use crate::{Provenance, VtkHdfWriter};
 
-    /// A file that says that it has times for terabytes is refused, before room is made for them or somebody walks
-    /// through them.
+    /// A file that declares terabytes of times is refused before memory is allocated for them or they are read.
     #[test]
     fn times_beyond_the_room_are_refused() {
         const MANY: u64 = 1 << 43;

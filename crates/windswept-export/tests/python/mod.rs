@@ -1,4 +1,4 @@
-//! Programs in Python that read files with somebody else's libraries.
+//! Programs in Python that read files with libraries of other projects.
 
 #![allow(clippy::unwrap_used)] // a test may panic
 

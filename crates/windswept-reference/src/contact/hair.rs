@@ -5,10 +5,10 @@
 //!   normal     f = λ − k (φ + D), where that is above 0     φ: distance after the step, k = max(100, h² Ω²)/W
 //!   friction   F = F_old − k slip, no longer than μ f_lag
 //! ```
-//! W is the move of the place by a unit of force, D the depth that the place may keep in this step: what starts inside
-//! comes out at `RECOVERY`. The multiplier λ is f of the step before, or of the last Newton step that settled with more
-//! than `ALLOW` left open: at rest the spring carries nothing, and the gap is 0 (augmented Lagrangian; Hestenes 1969).
-//! The way of a place is seen from the body: from where the body carries it to where it goes.
+//! W is the move of the place by a unit of force, D the depth that the place may keep in this step: a place that starts
+//! inside comes out at `RECOVERY`. The multiplier λ is f of the step before, or of the last Newton step that settled
+//! with more than `ALLOW` left open: at rest the spring carries nothing, and the gap is 0 (augmented Lagrangian;
+//! Hestenes 1969). The way of a place is seen from the body: from where the body carries it to where it goes.
 
 use glam::{DMat3, DVec3};
 
@@ -149,9 +149,9 @@ pub fn memories(m: &rods::Moving) -> Vec<Memory> {
     m.point_contacts.iter().chain(&m.segment_contacts).map(kept).collect()
 }
 
-/// Finds how strands stand to the bodies as the step begins: what their contacts remember, whether they may meet a
-/// body, whether one that moves wakes them, how many points bodies let be, from a root on that is held inside, and
-/// whether others are deep in a body.
+/// Finds the state of strands beside the bodies as the step begins: the forces of their contacts in the step before,
+/// whether they may meet a body, whether a moving body wakes them, how many points have no contact, from a root on that
+/// is held inside a body, and whether others are deep in a body.
 pub fn contacts(s: &State, w: &mut Scratch, p: &Parameters) {
     let (bodies, count) = (&w.moving.bodies, w.moving.bodies.len());
     let memory = |i: usize| s.contacts.get(i).copied().unwrap_or_default();
@@ -290,7 +290,7 @@ pub(crate) fn nearest(last: &Contact, body: &Placed, [a, b]: [Place; 2], normals
     }
 }
 
-/// A contact whose multiplier, and the force that limits its friction, are made what acts.
+/// A contact whose multiplier, and the force that limits its friction, are set to its force.
 pub(crate) fn renewed(p: &Parameters, last: &Contact) -> Contact {
     let lag = last.force.max(0.0);
     let open = last.gap.abs() > ALLOW && !is_deep(p, last.before);

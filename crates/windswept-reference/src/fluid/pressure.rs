@@ -6,8 +6,8 @@
 //!   Δv_i = w_i Σ_j (λ_i V_j B_i + λ_j V_i B_j) g_ij          its transpose: equal and opposite in m Δv, whatever B is
 //!   g_ij = ∇_i W(x_i − x_j) by Spiky, w = m_air/m            V volume [m³], B corrects the gradients of a disordered sum
 //! ```
-//! Jacobi iterations find λ, which starts from the step before. Air goes on by BDF2: what pressure changed its velocity
-//! by in the last step, `change`, is all that it remembers, since what acts from outside changes v_n and v_{n−1} alike.
+//! Jacobi iterations find λ, which starts from the step before. Air moves by BDF2, whose only history is `change`, the
+//! pressure's change of the velocity in the last step, since other forces change v_n and v_{n−1} alike.
 
 use glam::{DMat3, DVec3};
 use windswept_scene::Model;

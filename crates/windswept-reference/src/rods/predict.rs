@@ -48,9 +48,9 @@ pub fn predict(p: &Parameters, s: &mut state::State, strand: usize, motion: &mut
     set_off(p, &s.hair, strand, motion, m);
 }
 
-/// Adds what forces from outside change of each point's velocity. Returns how much pushes the strand that did not while
-/// it came to rest \[m/s\]: all of it on average, or one point by as much as bends the strand as far. A sleeper has no
-/// velocity but what viscosity gave it.
+/// Adds the change of each point's velocity by external forces. Returns the push on the strand beyond that while it
+/// came to rest \[m/s\]: the mean over its points, or that of one point by `AT_TIP`, if it would bend the strand
+/// farther. A sleeping strand has no velocity but that by viscosity.
 fn load(p: &Parameters, s: &state::State, strand: usize, m: &mut Moving) -> f64 {
     let mut pushes = Vec::new();
     for i in s.hair.points(strand).filter(|&i| s.inverse_mass[i] > 0.0) {
@@ -113,7 +113,7 @@ fn set_off(p: &Parameters, hair: &Strands, strand: usize, motion: &StrandMotion,
 }
 
 /// Strains u = chord − l d₃ as the step begins. A segment that is strained by more than [`WHOLE`] was pushed by a body,
-/// or somebody wrote it: its frame turns onto its chord, what is left is cut, and the points beyond shift along.
+/// or written by a caller: its frame turns onto its chord, the rest is cut to [`WHOLE`], and the points beyond shift.
 fn make_whole(hair: &Strands, strand: usize, m: &mut Moving) {
     let mut shift = DVec3::ZERO;
     for (k, i) in hair.segments(strand).zip(hair.points(strand)) {

@@ -62,8 +62,8 @@ fn hold(hair: &Strands, s: usize, m: &mut Moving) {
     }
 }
 
-/// Whether a strand was where it came to rest when the step began; with `particles`, whose pushes nothing remembers, it
-/// must not be pushed either.
+/// Whether a strand was where it came to rest when the step began; with `particles`, which keeps no history of pushes,
+/// it must not be pushed either.
 #[must_use]
 pub fn rests(p: &Parameters, hair: &Strands, s: usize, m: &Moving) -> bool {
     let rest = p.rest[s];

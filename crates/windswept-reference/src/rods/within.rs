@@ -43,7 +43,7 @@ pub struct StrandMotion {
     pub tip_frame: DQuat,
     /// Step h of the strand, if it is integrated \[s\].
     pub step: f64,
-    /// Number of its points, from the root on, that bodies let be: it grows out of one.
+    /// Number of its points, from the root on, that have no contact, since the strand grows out of a body.
     pub embedded: usize,
     /// Whether it may meet a body in this step.
     pub meets: bool,
@@ -53,8 +53,7 @@ pub struct StrandMotion {
     pub comes_out: bool,
 }
 
-/// Load of a hair point from outside its rod: the force is `force` − `resistance` v, v the point's velocity at the
-/// step's end.
+/// External load of a hair point: the force is `force` − `resistance` v, v the point's velocity at the step's end.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Load {
     /// Force on the point at rest \[N\].
@@ -83,15 +82,15 @@ impl AddAssign for Load {
 pub struct Point {
     /// Position as the step begins \[m\].
     pub start: DVec3,
-    /// Velocity v_n with what acts from outside in this step, and then with what contact adds \[m/s\].
+    /// Velocity v_n and `external_dv`, and then with the change by contact \[m/s\].
     pub velocity: DVec3,
-    /// Velocity v_{n−1} with what acts from outside in this step; from [`super::update_all`] on `velocity` \[m/s\].
+    /// Velocity v_{n−1} and `external_dv`; from [`super::update_all`] on `velocity` \[m/s\].
     pub before: DVec3,
     /// Move of the step before \[m\].
     pub previous_move: DVec3,
-    /// Load from outside the rod.
+    /// External load.
     pub load: Load,
-    /// Change of velocity by all that acts from outside in this step \[m/s\].
+    /// Change of velocity by external forces in this step \[m/s\].
     pub external_dv: DVec3,
     /// Part of `external_dv` that did not act while the strand came to rest \[m/s\].
     pub impulse_change: DVec3,

@@ -292,7 +292,7 @@ fn index32(x: f64) -> Option<u32> {
     (0.0..f64::from(u32::MAX)).contains(&x).then_some(x as u32)
 }
 
-/// All that a file has, and where its header ends.
+/// The elements of a file, and the byte at which its header ends.
 fn found(bytes: &[u8]) -> Result<(Found, usize), SceneError> {
     let mut bytes = Bytes::new(bytes);
     let (encoding, elements) = header(&mut bytes)?;

@@ -184,7 +184,7 @@ impl SceneValues {
         (band.intensity * self.turbulence.speed).min(resolved)
     }
 
-    /// Filters must be made and run in a time that somebody can wait for.
+    /// Refuses bands whose filter would take too much memory or time ([`CheckedTurbulence::excess`]).
     pub(super) fn check_bands(&self, written: &Scene, at: &At<'_>) {
         let Some((air, bounds)) = self.filled() else { return };
         let size = DVec3::from_array(bounds.max) - DVec3::from_array(bounds.min);

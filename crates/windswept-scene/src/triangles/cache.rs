@@ -132,7 +132,7 @@ fn read(path: &Path, key: &[u8]) -> Option<DistanceGrid> {
     (grid.values.len() == nodes).then_some(grid)
 }
 
-/// Writes a file, at once for whoever reads it.
+/// Writes a file, which appears whole to readers.
 fn write(folder: &Path, path: &Path, content: &[u8]) -> std::io::Result<()> {
     fs::create_dir_all(folder)?;
     // Of this process alone, in which contents are made one after the other.
@@ -144,7 +144,7 @@ fn write(folder: &Path, path: &Path, content: &[u8]) -> std::io::Result<()> {
     written
 }
 
-/// Removes the oldest files until the others have at most this many bytes; parts that somebody left count as files.
+/// Removes the oldest files until the others have at most this many bytes; leftover parts count as files.
 fn forget(folder: &Path, most: u64) {
     let Ok(entries) = fs::read_dir(folder) else { return };
     let file = |entry: fs::DirEntry| {
@@ -219,7 +219,7 @@ mod tests {
         assert_eq!(grid.as_ref(), Ok(&first));
     }
 
-    /// Nothing is kept where nobody has asked for it.
+    /// Grids are kept in no folder but one that an environment variable names.
     #[test]
     fn only_a_named_folder_keeps_grids() {
         assert_eq!(folder(None), None);

@@ -90,8 +90,8 @@ pub struct DistanceGrid {
 }
 
 impl DistanceGrid {
-    /// The spacing that a surface in a box of these corners is given where nobody says another \[m\]: 2 mm, or so much
-    /// less that its longest side has 128 cells.
+    /// The default spacing for a surface in a box of these corners \[m\]: 2 mm, or so much less that its longest side
+    /// has 128 cells.
     #[must_use]
     pub fn spacing_for([low, high]: [DVec3; 2]) -> f64 {
         SPACING.min((high - low).max_element() / CELLS)
@@ -236,7 +236,7 @@ impl DistanceGrid {
         });
     }
 
-    /// Goes over all nodes in each of the eight diagonal directions, and gives each the point of the surface that a
+    /// Goes over all nodes in each of the 8 diagonal directions, and gives each the point of the surface that a
     /// node before it has, if that is nearer (Danielsson 1980, Euclidean distance mapping).
     fn spread(&self, nodes: &mut [(f32, Vec3)]) {
         let [nx, ny, nz] = self.counts.map(|count| count as usize);

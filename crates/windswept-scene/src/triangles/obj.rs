@@ -30,11 +30,11 @@ fn line_of(read: &[u8], is_faulty: impl Fn(&[u8]) -> bool) -> usize {
     faulty
 }
 
-/// First words of the lines that indices count, and what the lines hold.
+/// Keywords of the lines that indices refer to, and the content of these lines.
 const INDEXED: [(&str, &str); 3] = [("v", "points"), ("vt", "places in the texture"), ("vn", "normals")];
 
-/// Refuses more faces than a mesh may have, and an index that leads to nothing: the crate multiplies indices before it
-/// looks at them. One below 0 counts back from its line.
+/// Refuses more faces than a mesh may have, and an index without a line that it refers to: the crate multiplies indices
+/// before it checks them. An index below 0 counts back from its line.
 fn check_faces(text: &str) -> Result<(), SceneError> {
     let lines = || {
         let lines = text.split('\n').map(str::split_whitespace);

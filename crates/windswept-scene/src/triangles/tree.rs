@@ -1,4 +1,4 @@
-//! Triangles in a tree of boxes: how far the nearest is, and how often the surface winds about a point.
+//! Triangles in a tree of boxes: the distance to the nearest one, and the winding number of the surface about a point.
 
 use std::f64::consts::TAU;
 
@@ -17,19 +17,19 @@ pub(super) struct Tree {
     nodes: Vec<Node>,
 }
 
-/// A triangle, and all that have its corners too: no box would tell them apart.
+/// A triangle, with all others on the same three corners: no box would separate them.
 struct Face {
     corners: [DVec3; 3],
-    /// Number of those that are turned as it is, less those that are turned around. Where both are as many it does not
-    /// bound anything, but is as near as any other.
+    /// Count with this orientation minus count with the opposite one. With weight 0 the triangle adds no winding
+    /// number, but still counts for distances.
     weight: f64,
 }
 
-/// How much was looked at, in nodes of trees.
+/// Work of searches, in visited nodes of trees.
 #[derive(Default)]
 pub(super) struct Looks(pub(super) u64);
 
-/// A box about successive triangles, and what they are from afar.
+/// A box about successive triangles, and the sums that stand for them from afar.
 struct Node {
     low: DVec3,
     high: DVec3,

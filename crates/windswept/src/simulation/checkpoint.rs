@@ -366,8 +366,8 @@ impl Simulation {
     }
 }
 
-/// The first row of what a step takes as it finds it that is no number, no rotation or no particle, and why. What a
-/// step computes it looks at itself.
+/// First row of an array, among those that a step reads unchecked, that is not finite, no rotation or no particle
+/// index, and why. A step checks the arrays that it computes.
 fn unusable(state: &State, array: &AnyArray, bytes: &[u8]) -> Option<(usize, &'static str)> {
     let is = |names: [&str; 2]| names.contains(&array.name());
     let vector = |x: [f32; 3]| held(&DVec3::from_array(x.map(f64::from)));
@@ -387,7 +387,7 @@ fn unusable(state: &State, array: &AnyArray, bytes: &[u8]) -> Option<(usize, &'s
     } else if array.name() == state.air_id.name() {
         let ids: Vec<u32> = bytemuck::pod_collect_to_vec(bytes);
         let mut seen = vec![false; ids.len()];
-        // Whether this id is in no slot before.
+        // Whether no earlier slot has this id.
         let mut first = |id: &u32| seen.get_mut(*id as usize).is_some_and(|seen| !mem::replace(seen, true));
         let row = ids.iter().position(|id| !first(id))?;
         Some((row, "is no particle of air, or one that an earlier row has"))

@@ -144,7 +144,7 @@ impl<R: Read> Reading<R> {
             return content(format!("has {n} bytes of {what}, for which there is no memory"));
         }
         self.from.by_ref().take(n).read_to_end(&mut bytes).map_err(Fault::Io)?;
-        // Somebody may have cut it off since its length was asked for.
+        // The file may have been cut off since its length was read.
         if (bytes.len() as u64) < n {
             return content(cut(self.at + bytes.len() as u64));
         }

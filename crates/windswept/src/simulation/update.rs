@@ -54,8 +54,9 @@ const FIXED: &[&str] = &[
 
 impl Simulation {
     /// Goes on with another scene from the next step on. The state stays as it is, and so do roots, pins and a force
-    /// that were set; a wind that was set stays where the scenes' winds are the same. What follows from the scene is
-    /// what a new simulation of it has, so that a simulation that has not stepped yet has the same bits as a new one.
+    /// that were set; a wind that was set stays where the scenes' winds are the same. The
+    /// arrays that follow from the scene are those of a new simulation of it, so that a simulation that has not stepped
+    /// yet has the same bits as a new one.
     ///
     /// Gravity, wind, gusts, inflow, force fields, bands, viscosity, friction, damping, stiffness, radius and density
     /// of fibres, keyframes of hair and bodies, camera and picture may differ; what there is may not. The buffers on

@@ -1,4 +1,4 @@
-//! Air flows around bodies. What hair does there is solved with its rods, in stage `rods`.
+//! Air flows around bodies. Contact of hair with bodies is solved with the rods, in stage `rods`.
 
 use windswept_shaders::{
     common::{by_body::CHUNKS, dispatch::WORKGROUP},

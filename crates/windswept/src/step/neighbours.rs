@@ -1,4 +1,4 @@
-//! Sort particles into cells, list who is near whom.
+//! Sort particles into cells, list neighbours.
 
 use windswept_shaders::{
     common::params::Params,

@@ -1,4 +1,4 @@
-//! Strengthen the eddies of each band (eqs. 2, 4-6), air only.
+//! Strengthen the eddies of each band (eqs. 2 to 6), air only.
 
 use std::ops::Range;
 

@@ -26,9 +26,9 @@ const PAIRS: f64 = 2e8;
 const ROUNDS: f64 = 16e3;
 /// Slack of the filter's reach \[kernel radii\]: particles have moved since they were sorted (`turbulence/band.wgsl`).
 const MOVED: f32 = 0.2;
-/// Constant C0 of eq. 6 with the radical over 15 only: 2/(√15 π^(3/4)).
+/// Factor of eq. 6 with the radical over 15 only: 2/(√15 π^(3/4)).
 const MEXICAN_HAT: f64 = 0.218_837_609;
-/// Coefficient ε of eq. 2, which has no unit in print, read as an acceleration in mm, mg and s.
+/// Coefficient ε of eq. 3, which has no unit in print, read as an acceleration in mm, mg and s.
 const EPSILON: f64 = 0.008;
 
 /// The bands of a scene in the order of the file. Each is cut into the dispatches of the direct filter, with a uniform
@@ -156,7 +156,7 @@ impl Blocks {
     }
 }
 
-/// `first..end` in stretches of `share`, at least 1.
+/// `first..end` in ranges of `share`, at least 1.
 fn cuts<T>(first: T, end: T, share: T) -> impl Iterator<Item = (T, T)>
 where
     T: Copy + Ord + std::ops::Add<Output = T>,
@@ -175,8 +175,8 @@ pub(crate) fn invocations(task: &Band) -> u32 {
 mod tests {
     use super::*;
 
-    /// Whatever the box and the reach, blocks cover each row once, and dispatches cover all blocks and rows once. None
-    /// runs longer loops than it may, and none looks at more pairs than it may unless it is as small as can be.
+    /// Whatever the box and the reach, blocks cover each row once, and dispatches cover all blocks and rows once. No
+    /// dispatch exceeds [`ROUNDS`], and only a dispatch of a single block exceeds [`PAIRS`].
     #[test]
     fn dispatches_cover_every_block_once() {
         for (cells, particles) in [([3, 3, 3], 27), ([17, 12, 7], 11_000), ([58, 23, 22], 219_000), ([100, 1, 2], 10)] {

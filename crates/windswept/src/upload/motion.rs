@@ -33,7 +33,7 @@ impl Motions {
     fn append(&mut self, motion: &Motion, step: f64) -> Range<u32> {
         let first = self.keyframes.len() as u32;
         for (k, own) in motion.keyframes.iter().enumerate() {
-            // From the last keyframe the way leads nowhere.
+            // After the last keyframe the pose stays: its next keyframe is itself.
             let next = motion.keyframes.get(k + 1).unwrap_or(own);
             let ((from, before), (to, after)) = (own.pose(), next.pose());
             let turn = after * before.conjugate();

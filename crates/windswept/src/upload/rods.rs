@@ -12,8 +12,8 @@ use crate::upload::{
     vectors::{quat, vec3},
 };
 
-/// Rounds of the loops of one invocation of `rods/solve` or `rods/gauss_seidel`, at most: Mesa's software adapter ends
-/// the loops of an invocation after 65 535 rounds in all, without a word.
+/// Most loop iterations of one invocation of `rods/solve` or `rods/gauss_seidel`: Mesa's software adapter ends the
+/// loops of an invocation after 65 535 iterations in all, without an error.
 const ROUNDS: u32 = 30_000;
 
 /// The motion of a strand's roots, and the centre that it turns about, in local coordinates; none of a strand of no
@@ -24,7 +24,7 @@ fn motion<'a>(scene: &'a CheckedScene, initial: &InitialState, s: usize) -> Opti
     Some((group, hair, hair.center() - initial.origin))
 }
 
-/// Per strand.
+/// One element per strand, with the range of its points and the properties that its segments share.
 #[must_use]
 pub(crate) fn strands(scene: &CheckedScene, initial: &InitialState, motions: &Motions) -> Vec<Strand> {
     let hair = &initial.hair;
@@ -63,7 +63,7 @@ pub(crate) fn strands(scene: &CheckedScene, initial: &InitialState, motions: &Mo
     (0..hair.len()).map(strand).collect()
 }
 
-/// Per point: its weight, its friction, and its strand's points.
+/// One element per point, with its weight, its friction, and the range of its strand's points.
 #[must_use]
 pub(crate) fn points(hair: &Strands) -> Vec<Point> {
     let of_strand = |s: usize| {
@@ -78,7 +78,7 @@ pub(crate) fn points(hair: &Strands) -> Vec<Point> {
     (0..hair.len()).flat_map(of_strand).collect()
 }
 
-/// Per segment.
+/// One element per segment, with its rest shape, its compliances and its inertia.
 #[must_use]
 pub(crate) fn segments(hair: &Strands) -> Vec<Segment> {
     let points = (0..hair.len()).flat_map(|s| hair.points(s).take(hair.segments(s).len()));
@@ -207,7 +207,7 @@ fn longest(hair: &Strands) -> u32 {
     (0..hair.len()).map(|s| hair.points(s).len()).max().unwrap_or_default() as u32
 }
 
-/// Of `all` repeats of so many rounds each those of one dispatch.
+/// Repeats of one dispatch: as many as divide `all` and take at most [`ROUNDS`] with `rounds` each, at least 1.
 fn per_dispatch(all: u32, rounds: u32) -> u32 {
     let most = (ROUNDS / rounds.max(1)).clamp(1, all.max(1));
     (1..=most).rev().find(|&repeats| all.is_multiple_of(repeats)).unwrap_or(1)
