@@ -97,7 +97,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::forcing::ROOTS, PARTICLES, &[53]),
     (&shaders::forcing::HAIR_DRIFT, LIGHT_HAIR, &[16]),
     (&shaders::forcing::FRINGE_DEFICIT, PARTICLES, &[12]),
-    (&shaders::reduce::TOTAL, PARTICLES, &[1]),
+    (&shaders::reduce::TOTAL, &["turbulence={bands=[]}"], &[1]),
     (&shaders::forcing::FRINGE, PARTICLES, &[7, 87]),
     (&shaders::forcing::FIELD_STRENGTHS, FIELDS, &[38]),
     (&shaders::forcing::DRIVE_AIR, FIELDS, &[17]),
