@@ -74,7 +74,7 @@ impl Simulation {
             let of =
                 |fixed: &&str| path.strip_prefix(*fixed).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
             // A table that comes or goes.
-            ["hair", "body", "air"].contains(&&*path) || FIXED.iter().any(|fixed| of(&fixed))
+            ["hair", "body", "air"].contains(&&*path) || FIXED.iter().any(of)
         };
         if let Some(key) = changed.iter().find(is_fixed) {
             let words = "expected the value that the simulation began with: start another simulation to change it";
