@@ -385,7 +385,7 @@ fn around_a_ball(solver: &str) {
         simulation.step(10).unwrap();
         let frame = simulation.frame().unwrap();
         let depth = deepest(&simulation, &frame.air.positions);
-        // 0.4 of a spacing of 4.8 mm outside; what rounding takes of it.
+        // 0.4 of a spacing of 4.8 mm outside, less rounding.
         assert!(depth < -0.0019, "step {}: air {depth} m inside", 10 * step);
         assert!(frame.air.velocities.iter().flatten().all(|v| v.is_finite() && v.abs() < 9.0), "step {}", 10 * step);
         if step > 3 {
@@ -415,7 +415,7 @@ fn a_moving_ball_pushes_air() {
     let depth = deepest(&simulation, &frame.air.positions);
     println!("u before {before:.2}, beside {beside:.2} m/s, {depth:.1e} m inside");
     assert!(depth < -0.0019, "{depth}");
-    // The ball moves at 1 m/s; what it displaces goes back beside it.
+    // The ball moves at 1 m/s; the air that it displaces flows back beside it.
     // Measured 0.69 and -0.09 m/s.
     assert!((0.5..1.1).contains(&before) && beside < -0.04, "{before} {beside}");
 }

@@ -1,5 +1,5 @@
 //! Broken scenes: each fault of the scene file's contract ends `check`, `plan` and `run` with exit status 2 and an
-//! error that names file, line and key and says what was expected; nothing is written. No GPU is asked for.
+//! error that names file, line and key and says what was expected; no file is written. No GPU is asked for.
 
 use std::ffi::OsString;
 use std::path::Path;

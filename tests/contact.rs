@@ -187,7 +187,7 @@ fn wrong_pins_are_errors() {
     assert!(error(&[5], &place).contains("a root that is held"));
     assert!(error(&[3], &[]).contains("places: expected 1 rows, found 0"));
     assert!(error(&[3], &[DVec3::NAN]).contains("places"));
-    // Those before stay: nothing was changed.
+    // The pins set before stay, since the call changed none.
     simulation.set_pins(&[3], &[DVec3::new(0.0, -0.02, 0.0)]).unwrap();
     assert!(simulation.set_pins(&[4, 99], &[place[0]; 2]).is_err());
     simulation.step(300).unwrap();

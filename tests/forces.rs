@@ -1,4 +1,4 @@
-//! Force fields and a force that is set, in whole simulations: what they do beside what `windswept validate` measures.
+//! Force fields and a force that is set, in whole simulations: effects that `windswept validate` does not measure.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod support;
@@ -56,8 +56,8 @@ fn no_acceleration_changes_nothing() {
     }
 }
 
-/// A callback is asked once before each step of Δt, with the state as it is then; what it returns does what the same
-/// arrays do when they are set; its error ends the stepping and says why.
+/// A callback is asked once before each step of Δt, with the state as it is then; the arrays that it returns act
+/// as the same arrays do when they are set; its error ends the stepping and says why.
 #[test]
 fn callbacks_are_asked_before_each_step() {
     let sets = &["time.substeps=3"];

@@ -60,7 +60,7 @@ fn flat_fibres_sag_by_their_stiffness_about_either_axis() {
 }
 
 /// Clamped and pinned ends stay; a strand pinned at one end hangs from it; one clamped at its tip sags as one clamped
-/// at its root; one that nothing holds falls, and keeps its shape.
+/// at its root; a free one falls, and keeps its shape.
 #[test]
 fn ends_are_held_as_they_say() {
     let length = 0.02;

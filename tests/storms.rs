@@ -1,4 +1,5 @@
-//! Hair and air that exchange drag in any wind, on the software adapter: nothing is lost, stretched or shot away.
+//! Hair and air that exchange drag in any wind, on the software adapter: no strand or particle is lost, stretched or
+//! shot away.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod support;

@@ -1,4 +1,5 @@
-//! The same pass for a software adapter: what it only reads lies in uniforms and textures instead of storage buffers.
+//! The same pass for a software adapter: arrays that it only reads lie in uniforms and textures instead of storage
+//! buffers.
 //!
 //! Mesa's software driver reads a storage buffer lane by lane. It reads a read-only storage texture eight lanes at
 //! once, some ten times as fast, and a constant place of a uniform once for all. A texture has the words of an array in

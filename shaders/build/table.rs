@@ -248,7 +248,7 @@ fn write_struct(
     Ok(())
 }
 
-/// The doc comment that says `words`, on a line; nothing without words.
+/// The doc comment that says `words`, on a line; empty without words.
 fn doc(words: &str) -> String {
     if words.is_empty() {
         return String::new();

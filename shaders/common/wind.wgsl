@@ -22,7 +22,7 @@ fn depth_of(position: vec3f, wind: vec3f) -> vec3f {
     return select(params.box_size - position, position, wind >= vec3f(0.0));
 }
 
-// Part of a change of velocity that the fringe leaves: nothing behind a face that the wind meets head on, and nearly
+// Part of a change of velocity that the fringe leaves: 0 behind a face that the wind meets head on, and nearly
 // all behind a face that the wind passes along, so that a wind may turn without a jump.
 fn left_by_fringe(position: vec3f) -> f32 {
     let wind = mean_wind();

@@ -254,9 +254,9 @@ fn hold_keeps_strands_that_are_lost() {
     }
 }
 
-/// Air that is not finite, too many strands that are not, a list that is too short: what freezes one freezes the other,
-/// for the same causes, and nothing is committed. As many bad strands as may be do not. Hair outside the box is
-/// counted.
+/// Air that is not finite, too many strands that are not, a list that is too short: engine and reference freeze
+/// for the same causes, and commit nothing. The largest allowed number of bad strands does not freeze them. Hair
+/// outside the box is counted.
 #[test]
 fn check_is_that_of_the_reference() {
     for n in support::SIZES {

@@ -198,8 +198,8 @@ fn steps_of_both(gpu: &Gpu, sets: &[&str], bounds: &Bounds, steps: u32) -> Resul
 const STEPS: u32 = 6;
 /// Steps of a scene with hair and air that exchange drag.
 const STEPS_OF_COUPLING: u32 = 10;
-/// Steps of a scene with bodies: what they press hair against, and where it slips, makes more of rounding with each
-/// step. Velocities were measured 1.4e-4 m/s off.
+/// Steps of a scene with bodies: contact and slip amplify rounding errors with each step. Velocities were measured
+/// 1.4e-4 m/s off.
 const STEPS_OF_BODIES: u32 = 4;
 /// Steps of a scene with strands that are held at both ends, which make more of rounding with each step.
 const STEPS_OF_TAUT_HAIR: u32 = 3;
@@ -458,7 +458,7 @@ fn uniforms_are_read_before_all_branches() {
     }
 }
 
-/// Where a shader is wrong, its pass is named: nothing before it, nothing that follows from it.
+/// Where a shader is wrong, its pass is named, and no pass before it or after it.
 #[test]
 fn a_difference_is_named() {
     let cases = [

@@ -85,8 +85,8 @@ pub struct Both<'a> {
     pub slots: &'a Slots,
 }
 
-/// Walk of engine and reference from the same state: the engine's passes run up to what the reference has computed, and
-/// what each leaves is compared.
+/// Walk of engine and reference from the same state: the engine's passes run as far as the reference has computed, and
+/// the results of each are compared.
 struct Walk<'a> {
     fixture: &'a Fixture,
     bounds: &'a Bounds,
@@ -211,7 +211,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Runs and compares the engine's passes up to the next runs of `pass` that have one label, if there are any and
-    /// nothing has parted yet.
+    /// no results have differed yet.
     fn see(&mut self, pass: &'static str, s: &Reference, w: &Scratch) {
         while self.same.is_ok() && self.commands.iter().any(|command| command.pass.name == pass) {
             let ran = self.commands[0].pass.name;

@@ -62,8 +62,8 @@ fn swinging(rods: &[Rod], step: f64, amplitude: f64) -> (Simulation, f64) {
     (Simulation::with_state(&support::gpu(), &scene, initial).unwrap(), frequency)
 }
 
-/// Stiff beams of up to 1000 segments lose their swing as BDF2 damps it, by 0.2/s where one takes 34 steps: what f32
-/// leaves of a step does not drive them.
+/// Stiff beams of up to 1000 segments lose their swing as BDF2 damps it, by 0.2/s where one takes 34 steps: rounding
+/// errors of f32 do not drive them.
 #[test]
 fn beams_of_many_segments_swing_no_wider() {
     let (step, segments) = (1.38e-3, [34, 68, 130, 300, 1000]);

@@ -1,4 +1,4 @@
-//! Strands and air that are not finite, or that nothing can be: what is reset, what ends a run, and how it goes on.
+//! Strands and air with invalid values: which are reset, which end a run, and how the run goes on.
 
 use glam::DVec3;
 use windswept::{
@@ -102,7 +102,7 @@ fn many_non_finite_strands_end_the_run() {
     assert!(error.contains("point 6"), "{error}");
 }
 
-/// A run that ended goes on once its caller says so: what was not finite is put back to rest, named and counted, and
+/// A run that ended goes on once its caller says so: the invalid parts are put back to rest, named and counted, and
 /// only that.
 #[test]
 fn what_ended_a_run_is_put_back_to_rest() {
@@ -197,7 +197,7 @@ fn what_comes_back_ends_the_run() {
 }
 
 /// A strand of the brook starts the next step in its rest shape if an invalid value is written into it, and all
-/// else has the bits of a run in which it was put there by hand: nothing else has met what was written.
+/// else has the bits of a run in which it was put there by hand: no other particle has met the invalid value.
 #[test]
 fn what_is_written_into_a_strand_is_found() {
     // Each takes the way that a point moves by.

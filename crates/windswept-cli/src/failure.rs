@@ -14,7 +14,7 @@ pub(crate) const INTERRUPTED: u8 = 130;
 pub(crate) enum Failure {
     /// The scene; the error points at its line.
     Scene(Box<SceneError>),
-    /// Input that cannot be followed; nothing was written.
+    /// Input that cannot be followed; no file was written.
     Input(String),
     /// The run started and could not go on.
     Run(String),

@@ -27,7 +27,7 @@ pub(crate) fn there(path: PathBuf, comes_from: &str) -> Result<PathBuf, Failure>
 }
 
 pub(crate) fn open(path: &Path, kind: Kind) -> Result<VtkHdfReader, Failure> {
-    // A film that cannot be read is bad input: nothing has been written.
+    // A film that cannot be read is bad input: no file has been written.
     let reader = VtkHdfReader::open(path).map_err(|e| Failure::Input(e.to_string()))?;
     if reader.kind() != kind {
         return Err(Failure::Input(format!("{}: expected {kind:?}, found {:?}", path.display(), reader.kind())));

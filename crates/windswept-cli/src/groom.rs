@@ -1,4 +1,4 @@
-//! `windswept groom`: what a groom file holds, and one turned into another.
+//! `windswept groom`: describes the contents of a groom file, and converts one into another format.
 
 use std::{collections::BTreeSet, path::Path};
 

@@ -11,7 +11,7 @@ use crate::console::{Console, counted_frames};
 use crate::failure::Failure;
 use crate::groom::shown_box;
 
-/// `windswept check`: what was understood, and what a run would take.
+/// `windswept check`: the scene as it is understood, and the time and memory that a run would take.
 pub(crate) fn check(
     path: Option<&Path>,
     changes: &Changes,
@@ -232,11 +232,11 @@ fn print_buffers(rows: &[windswept::BufferRow], console: &mut Console<'_>) {
     }
 }
 
-/// `windswept adapters`: what there is to run on.
+/// `windswept adapters`: the adapters of the machine.
 pub(crate) fn adapters(console: &mut Console<'_>) -> Result<(), Failure> {
     let adapters = windswept::adapters();
     if adapters.is_empty() {
-        // Asking for one words the error: what was looked for, and what to install.
+        // The error of opening an adapter says which kind was looked for, and which package to install.
         Gpu::new(&AdapterChoice::Best)?;
     }
     for adapter in adapters {

@@ -13,7 +13,7 @@ use windswept_scene::{AtomicFile, CheckedScene};
 use crate::arguments::RunOptions;
 use crate::failure::Failure;
 
-/// A folder that may be written to; nothing is touched before [`Output::create`].
+/// A folder that may be written to; its files stay as they are until [`Output::create`].
 pub(crate) struct Output {
     dir: PathBuf,
     /// A second place for the report.
@@ -138,8 +138,8 @@ impl Output {
         self.folder().names(&files_of_run(), path)
     }
 
-    /// Refuses a place for what a command makes of the run, which `flag` names: a file of the run's, one in no folder,
-    /// one that is there already and is not to be replaced.
+    /// Refuses a place, which `flag` names, for a file that a command makes of the run: a file of the run's, a place in
+    /// no folder, an existing file that is not to be replaced.
     pub(crate) fn check_place(&self, path: &Path, flag: &str, overwrite: bool) -> Result<(), Failure> {
         if self.owns(path) {
             return refuse(path, &format!("belongs to the run; {flag} takes another file"));

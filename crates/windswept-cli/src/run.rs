@@ -36,7 +36,7 @@ pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(),
     let ended = stepped.and(recording.finish().map_err(Failure::from));
     let report = report(&mut simulation, ended.as_ref().err());
     let written = report.and_then(|report| output.write_report(&json(&report, &notes.frames)?).map(|()| report));
-    // Of a device that is lost or a disk that is full there may be no report: what ended the run is what to tell.
+    // A lost device or a full disk may prevent the report: the error that ended the run is shown all the same.
     let lost = lost.or(ended?.into_iter().next());
     let report = written?;
     output.write_trace(&simulation)?;
@@ -67,7 +67,7 @@ pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(),
     lost.map_or(Ok(()), |loss| Err(Failure::Run(loss.error.to_string())))
 }
 
-/// A run that may begin: all that could be refused was looked at.
+/// A run that may begin: its input and its folder were checked.
 struct Begun {
     filmed: Filmed,
     run: Run,
@@ -115,7 +115,7 @@ fn go_on(options: &RunOptions, dir: &Path, console: &mut Console<'_>) -> Result<
     }
     let _lock = Folder(dir).lock()?;
     output.remove_parts()?;
-    // A checkpoint that cannot be read is bad input: nothing was written.
+    // A checkpoint that cannot be read is bad input: no file was written.
     let refused = |error: CheckpointError| match error {
         CheckpointError::Start { error, .. } => error.into(),
         CheckpointError::Gpu(error) => error.into(),

@@ -1,4 +1,5 @@
-//! The real program: what it writes, what it leaves alone, how it ends. On the software adapter.
+//! The real program: the files that it writes and leaves alone, its output and its exit status. On the software
+//! adapter.
 
 mod support;
 

@@ -33,8 +33,8 @@ fn said(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// A film takes its room when it is made: one that the disk cannot hold is refused before the first step, and nothing
-/// is left that is no film.
+/// A film takes its room when it is made: one that the disk cannot hold is refused before the first step, and no
+/// broken film is left.
 #[test]
 fn a_film_that_does_not_fit_is_refused_at_once() {
     let folder = folder();

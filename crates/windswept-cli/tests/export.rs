@@ -147,8 +147,8 @@ fn a_film_of_strands_needs_no_mesh() {
     assert!(refused.status.code() == Some(2) && said.contains("wedge.obj: cannot be read"), "{said}");
 }
 
-/// Beside a film in USD's binary form nothing changes, whether it is made or not: what films are made by has no names
-/// of the user's.
+/// Beside a film in USD's binary form no file changes, whether it is made or not: the parts of a film in the making
+/// have names of their own.
 #[cfg(unix)]
 #[test]
 fn a_film_costs_nothing_beside_it() {

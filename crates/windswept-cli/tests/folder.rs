@@ -93,8 +93,8 @@ fn a_link_in_place_of_the_pictures_is_refused() {
     }
 }
 
-/// A scene that was edited in the folder, or is gone, is written again as it runs, with a warning; nothing is said of
-/// one that is as it was.
+/// A scene that was edited in the folder, or is gone, is written again as it runs, with a warning; an unchanged
+/// one has no warning.
 #[test]
 fn a_run_goes_on_with_its_own_scene() {
     let folder = folder();

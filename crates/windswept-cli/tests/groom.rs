@@ -1,4 +1,4 @@
-//! Groom files on the command line: what is said of one, one turned into another, a run of one.
+//! Groom files on the command line: their description, their conversion, and a run of one.
 
 mod support;
 
@@ -138,7 +138,7 @@ fn ids_groups_and_guides_are_said() {
     assert!(err.contains("warning: 2 of the 5 strands of five.npz have the id"), "{err}");
 }
 
-/// A scene beside a groom file is checked and runs from any folder; what was left out stands in the report.
+/// A scene beside a groom file is checked and runs from any folder; the report says which curves were left out.
 #[test]
 fn a_groom_file_runs() {
     let folder = folder();

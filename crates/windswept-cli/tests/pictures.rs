@@ -57,7 +57,7 @@ fn render_makes_the_runs_pictures() {
     assert_eq!(pictures(folder)[0].1[16..24], [480_u32.to_be_bytes(), 540_u32.to_be_bytes()].concat());
 }
 
-/// Pictures of others stay, however they are called, unless a frame takes their name; what a link leads to stays in any
+/// Pictures of others stay, however they are called, unless a frame takes their name; the target of a link stays in any
 /// case.
 #[test]
 fn pictures_of_others_stay() {

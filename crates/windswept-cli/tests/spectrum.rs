@@ -74,7 +74,7 @@ fn a_spectrum_is_measured_by_the_scenes_filter() {
     assert!((found - wanted).abs() < 1e-5 * wanted, "{found}, report {wanted}");
 }
 
-/// A table with the scene's scales and a ladder; what cannot be measured is bad input.
+/// A table with the scene's scales and a ladder; an unmeasurable film or scale is bad input.
 #[test]
 fn a_spectrum_says_what_it_lacks() {
     let folder = folder();

@@ -49,8 +49,8 @@ impl Folder<'_> {
         }
     }
 
-    /// Refuses folders in the place of these files, and links in the place of their folders: what they lead to is not
-    /// the writer's.
+    /// Refuses folders in the place of these files, and links in the place of their folders, since the targets of
+    /// links are not the writer's.
     ///
     /// # Errors
     /// [`ExportError::Folder`] with the path.
@@ -172,7 +172,7 @@ fn failed(path: PathBuf, doing: &'static str, error: &std::io::Error) -> ExportE
     ExportError::File { path, doing, reason: error.to_string() }
 }
 
-/// Refuses a link in the place of a file that is to grow: what it leads to is not the writer's.
+/// Refuses a link in the place of a file that is to grow, since the target of a link is not the writer's.
 pub(crate) fn refuse_link(path: &Path) -> Result<(), ExportError> {
     if path.symlink_metadata().is_ok_and(|found| found.is_symlink()) {
         return refuse(path, "is a link; expected the file itself");

@@ -38,7 +38,7 @@ use self::ground::{Ground, seat};
 use self::outside::Bodies;
 use self::places::{Places, spaces};
 
-/// Hairs that follow the strands of a simulation. Strands are among them: those that are their own followers.
+/// Hairs that follow the strands of a simulation. Strands may be among them, as their own followers.
 #[derive(Debug, Clone)]
 pub struct Followers {
     /// The followers at the start.
@@ -70,7 +70,7 @@ pub(crate) struct Strand<'a> {
 /// Origin of a follower, for a picture.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Origin {
-    /// The strand whose room it grows in.
+    /// The strand whose space on the surface it grows in.
     pub(crate) own: u32,
     /// Index of its `[[hair]]`, where its strands are the scene's.
     pub(crate) group: Option<usize>,
@@ -403,8 +403,8 @@ struct Part {
     file: Option<Curves>,
 }
 
-/// The scene's groups, in the order of their strands; one that is none of the scene's where the strands are the
-/// caller's own, with all curves of `groom`.
+/// The scene's groups, in the order of their strands; if the strands are the caller's own, a single group that is not
+/// the scene's, with all curves of `groom`.
 fn parts(scene: &CheckedScene, strands: usize, groom: Option<&Curves>) -> Result<Vec<Part>, ExportError> {
     let own = || vec![Part { hair: None, strands, file: groom.cloned() }];
     if groom.is_some() {

@@ -97,7 +97,7 @@ pub const FORMATS: &[Format] = &[
     },
 ];
 
-/// Names of the formats that a run writes unless told otherwise: all that the other commands and ParaView work with.
+/// Names of the formats that a run writes by default: those that the other commands and ParaView read.
 pub const DEFAULT_FORMATS: [&str; 2] = ["png", "vtkhdf"];
 
 impl Format {

@@ -6,8 +6,7 @@
 //! backdrop, patch, bodies, ribbons, air --> 16 samples a pixel --average--> RGBA8
 //! ```
 //!
-//! The points of strands and followers are all that goes to the GPU for a frame; what is drawn between them is made
-//! there.
+//! For a frame only the points of strands and followers go to the GPU, which makes the ribbons between them.
 
 mod bodies;
 mod groom;

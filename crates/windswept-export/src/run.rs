@@ -395,8 +395,8 @@ mod tests {
         }
     }
 
-    /// A frame that one format refuses is in all others, and so are those behind it; one that is not later is in none.
-    /// A format that is lost beside a failure is told of later.
+    /// A frame that one format refuses is in all others, and so are those behind it; a frame that is not later than the
+    /// last is in none. A format that is lost beside a failure is reported later.
     #[test]
     fn a_format_that_fails_costs_the_others_no_frame() {
         let frames: [Arc<AtomicU32>; 4] = Default::default();

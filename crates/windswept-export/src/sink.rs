@@ -9,7 +9,7 @@ use crate::error::ExportError;
 
 /// Takes the frames of a run one after the other.
 pub trait FrameSink: Send {
-    /// Writes the next frame; what this returned from stays readable, whatever becomes of the process.
+    /// Writes the next frame; once this has returned, the frame stays readable even if the process is killed.
     ///
     /// # Errors
     /// [`ExportError`] if the frame does not belong here or cannot be written.

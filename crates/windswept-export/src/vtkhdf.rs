@@ -375,7 +375,7 @@ fn points(kind: Kind, frame: &Frame) -> usize {
     arrays(kind, frame).0.len()
 }
 
-/// First point of each strand, and the number of points; nothing for air.
+/// First point of each strand, and the number of points; empty for air.
 fn strands(kind: Kind, frame: &Frame) -> &[u32] {
     match kind {
         Kind::Hair => &frame.hair.offsets,

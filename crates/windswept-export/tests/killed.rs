@@ -61,8 +61,8 @@ fn killed_while_writing() {
     }
 }
 
-/// The file of a process that was killed at any moment goes on behind any of its frames: what was behind is dropped,
-/// and what is appended stands there. It does so in place, or in a file with more room.
+/// The file of a process that was killed at any moment goes on behind any of its frames: the frames behind it are
+/// dropped, and the appended ones stand there. It does so in place, or in a file with more room.
 #[test]
 fn a_killed_film_goes_on() {
     let _alone = alone();

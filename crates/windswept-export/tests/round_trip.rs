@@ -72,7 +72,7 @@ fn open_readers_keep_the_old_film() {
     assert_holds(&path, Kind::Air, &film(3));
 }
 
-/// The size is known up front: what the file has more are its headers and the scene's text.
+/// The size is known up front: the file has its headers and the scene's text in addition.
 #[test]
 fn size_is_known_up_front() {
     let folder = tempfile::tempdir().unwrap();

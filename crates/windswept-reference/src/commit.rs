@@ -1,4 +1,4 @@
-//! Stage `commit`: what a step arrived at is committed, or the run freezes.
+//! Stage `commit`: the results of a step are committed, or the run freezes.
 
 use std::mem;
 

@@ -1,6 +1,6 @@
 //! Bodies, and stage `contact`: air flows around them. Hair stays out of them in stage `rods`, where its rods are
-//! solved (`contact/hair.rs`). A body is asked at rest, where the scene has it: what meets the moved body is carried
-//! back there, and the answer is carried along.
+//! solved (`contact/hair.rs`). A body's distance is taken at rest, where the scene has it: a point beside the
+//! moved body is carried back there, and the normal is carried along.
 
 mod hair;
 

@@ -50,7 +50,7 @@ type Along = [f64; 6];
 
 impl Hair {
     /// A hair of [`REAL`]'s size without weight, in air so thin that its drag is quadratic (C_d = 1, no skin friction):
-    /// what is left is one number, the Cauchy number ½ρ C_d 2r U² L³/EI.
+    /// it depends on one number, the Cauchy number ½ρ C_d 2r U² L³/EI.
     #[must_use]
     pub fn with_cauchy_number(cauchy: f64) -> Self {
         let hair = Self { gravity: 0.0, viscosity: 1e-13, ..REAL };

@@ -111,7 +111,8 @@ pub fn roots(p: &Parameters, s: &State, strand: usize) -> StrandMotion {
     StrandMotion {
         root_displacement: part * way,
         root_turn,
-        // The frame is the target's to the bit where the clamp arrives: one that was off by rounding would never rest.
+        // The frame is the target's to the bit where the clamp arrives: a clamp that was off by rounding would never
+        // rest.
         root_frame: if part == 1.0 { goal.1 } else { (root_turn * held.1).normalize() },
         state: if jumps { rods::State::Teleported } else { rods::State::Free },
         step,
@@ -176,7 +177,7 @@ pub fn risen(p: &Parameters, steps: u64) -> f64 {
     if p.ramp > 0.0 { (steps as f64 * p.step / p.ramp).min(1.0) } else { 1.0 }
 }
 
-/// Mean wind after `steps` steps \[m/s\]: what has risen of U, and what gusts add, linear between their keyframes.
+/// Mean wind after `steps` steps \[m/s\]: the part of U that has risen, and the gusts, linear between keyframes.
 #[must_use]
 pub fn mean_wind(p: &Parameters, steps: u64) -> DVec3 {
     let time = steps as f64 * p.step;

@@ -83,7 +83,7 @@ fn exchanges(p: &Parameters) -> bool {
     p.model == Model::TwoWay && p.air
 }
 
-/// Begins the stage: what points and segments start from, and the air at hair points. No force acts yet.
+/// Begins the stage: the start of points and segments, and the air at hair points. No force acts yet.
 pub fn begin(s: &state::State, w: &mut Scratch, p: &Parameters) {
     w.moving.points = (0..p.hair_points).map(|i| begin_point(p, s, i, w.correction[i])).collect();
     let segments = (0..s.hair.len()).flat_map(|strand| s.hair.segments(strand).map(move |k| (strand, k)));
@@ -169,7 +169,8 @@ pub fn update_all(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
     }
 }
 
-/// Start of hair point `i`: what density moved the drifting point by, `correction` \[m\], is an impulse on it.
+/// Start of hair point `i`: the density constraint's move of the drifting point, `correction` \[m\], is an impulse on
+/// it.
 #[must_use]
 pub fn begin_point(p: &Parameters, s: &state::State, i: usize, correction: DVec3) -> Point {
     let inverse_mass = s.inverse_mass[i];

@@ -67,7 +67,7 @@ fn ramp_adds_its_rise_everywhere() {
     assert!((rises.iter().sum::<f64>() - 3.0).abs() < 1e-13);
 }
 
-/// A lattice in uniform wind stays a lattice in uniform wind, over fringe and faces: nothing in a step disturbs it.
+/// A lattice in uniform wind stays a lattice in uniform wind, over fringe and faces: no stage of a step disturbs it.
 #[test]
 fn a_lattice_drifts_with_the_wind() {
     let wind = DVec3::new(3.0, 0.5, -1.0);
@@ -133,8 +133,8 @@ fn the_density_constraint_gives_air_its_velocity() {
     assert!(fastest > 0.05 && error < 1e-12, "{fastest}, {error}");
 }
 
-/// Air and a loose strand of other masses: what one gains, the other loses, with either solver. Of what pressure did to
-/// air in the last step BDF2 has half still to come.
+/// Air and a loose strand of other masses: one gains the momentum that the other loses, with either solver. Half of the
+/// pressure's last change of air is still to come by BDF2.
 #[test]
 fn air_and_hair_keep_their_momentum_together() {
     let (size, positions) = jittered(8, 0.2, 10);

@@ -1,4 +1,4 @@
-//! Tests of `rods::sample` and `rods::react`: what hair and air exchange is momentum, and no energy comes of it.
+//! Tests of `rods::sample` and `rods::react`: hair and air exchange momentum, and gain no energy by it.
 
 #![allow(clippy::unwrap_used)]
 

@@ -59,7 +59,7 @@ fn a_strand_stays_as_it_is_given() {
             let (farthest, warnings) = drift(points, gamma, RestShape::Hanging);
             println!("{name}, gamma {gamma}: {farthest:.1e} L");
             assert!(warnings.is_empty(), "{warnings:?}");
-            // Measured at most 9e-7 of round fibres without taper: what the solver's own tolerance leaves. Margin 10;
+            // Measured at most 9e-7 of round fibres without taper: the error by the solver's own tolerance. Margin 10;
             // the aim is 1e-4.
             assert!(farthest < 1e-5, "{name}, gamma {gamma}: {farthest:.1e} L");
         }

@@ -299,8 +299,8 @@ fn a_void_fills() {
     assert!(filled >= 0.8 && energy(&state, wind) < 1e-24, "{filled}");
 }
 
-/// The coarse solve takes a long wave of compression out of the air in one stroke, and no momentum; what is short it
-/// leaves to the iterations. At a step in which the wind goes past several particles it takes part of it.
+/// The coarse solve takes a long wave of compression out of the air in one stroke, and no momentum; short waves
+/// are left to the iterations. At a step in which the wind goes past several particles it takes part of it.
 #[test]
 fn the_coarse_solve_reaches_far() {
     let mut initial = melted([24, 9, 9], 71);

@@ -10,8 +10,8 @@ use elastica::tuft;
 use windswept_reference::{State, step::step};
 
 /// From a breeze to a hurricane, at all steps, with one fibre to a strand and with a thousand, masses from a
-/// ten-thousandth to a hundred times a hair's: nothing is lost, and hair is not much faster than the wind, or than the
-/// air that it feels.
+/// ten-thousandth to a hundred times a hair's: no strand is lost, and hair is not much faster than the wind, or than
+/// the air that it feels.
 #[test]
 #[ignore = "long: 100 s of CPU time"]
 fn a_storm_blows_nothing_up() {

@@ -164,7 +164,7 @@ fn the_band_law_limits_itself() {
     let change = |speed: f64| confine(&crowd, &fierce, &of_speed(speed), &v).iter().map(|dv| dv.length()).sum::<f64>();
     assert!(change(0.9 + 1e-9) == 0.0 && change(5.0) == 0.0 && change(0.0) == 0.0);
     assert!((change(0.89) - 512.0 * 0.01).abs() < 1e-9 && change(0.9 - 1e-9) > 0.0);
-    // No intensity, no room; nothing is not a number.
+    // Without intensity the change is 0, and not NaN.
     assert_eq!(confine(&crowd, &Band { intensity: 0.0, ..BAND }, &vec![DVec3::ZERO; 512], &v), vec![DVec3::ZERO; 512]);
 }
 

@@ -9,7 +9,7 @@ use std::{
 /// A file that is written beside its place, with [`Self::PART`] behind its name, and takes the place once it is whole.
 /// Dropped before that, it leaves the place as it was and nothing beside it.
 ///
-/// A link in either place is replaced itself: what it leads to is not touched.
+/// A link in either place is replaced itself, and its target stays as it is.
 #[derive(Debug)]
 pub struct AtomicFile {
     place: PathBuf,

@@ -1,4 +1,4 @@
-//! Curves of groom files: what a file says, in its own units and axes, and how it becomes strands.
+//! Curves of groom files: the contents of a file, in its own units and axes, and their conversion into strands.
 
 mod bytes;
 mod cyhair;

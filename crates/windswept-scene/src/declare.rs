@@ -148,7 +148,7 @@ impl<T: Keys> Field for T {
         T::list(&own, all);
     }
 
-    /// A table that is not there has its defaults; what it needs is missed key by key.
+    /// A missing table has its defaults; each key that it requires is an error of its own.
     fn read(row: Row<Self>, reader: &Reader<'_>) -> Option<Self> {
         T::read(&reader.table(row.name))
     }

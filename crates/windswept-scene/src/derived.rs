@@ -57,8 +57,8 @@ impl Strands {
         let of_weight = 1.446 * gravity / length;
         let square = if clamped { of_weight.max(12.36 * stiffness / (mass * length.powi(3))) } else { of_weight };
         let rate = square / (square.sqrt() + scene.rods.damping + BRAKE);
-        // Part of what a strand is off that it goes in so long a time, at least: one that creeps, and one that swings,
-        // about a turning point, in (1 + √2) √(2 way/(off ω²)).
+        // Least part of its distance from rest that a strand goes in so long a time: a creeping strand, and a swinging
+        // one, about a turning point, in (1 + √2) √(2 way/(off ω²)).
         let gone = |time: f64| (rate * time).min(square * time * time / SWUNG).min(1.0);
         let least = TREMBLE / OFF;
         let time = STILL.max(least / rate).max((SWUNG * least / square).sqrt()).min(NEVER);

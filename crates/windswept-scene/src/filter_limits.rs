@@ -85,7 +85,7 @@ mod tests {
     use super::*;
 
     /// Grids of too many nodes, taps that would take minutes to fit, and sums over far images are refused, with a scale
-    /// that would do; what scenes have is not.
+    /// that would do; bands of common scenes are accepted.
     #[test]
     fn filters_that_take_too_much_are_named() {
         let grid = crate::Scene::parse(include_str!("../../../examples/scenes/quick.toml")).unwrap();

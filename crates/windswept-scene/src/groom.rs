@@ -351,7 +351,7 @@ impl Groom {
         }
     }
 
-    /// The strands as curves in metres, for a file: what they are made of is left behind, but for the radius.
+    /// The strands as curves in metres, for a file: their material is left out, but for the radius.
     ///
     /// # Errors
     /// As [`Self::check`].

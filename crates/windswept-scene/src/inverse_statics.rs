@@ -1,4 +1,4 @@
-//! The rest shape of a strand that hangs as it is given: what it would be without weight.
+//! The rest shape of a strand that hangs as it is given: its shape without weight.
 //!
 //! A strand that is clamped at its root and free at its tip is statically determinate: forces and moments follow from
 //! its shape alone, from the tip to the root, and the rest shape from them joint by joint. A tip that is held as well

@@ -1,4 +1,4 @@
-//! The keys of a scene file: what each takes, its default, unit and meaning.
+//! The keys of a scene file: the type of each, its default, unit and meaning.
 //!
 //! Each key is declared once, beside the struct that it fills (see `declare.rs`); [`KEYS`] collects them all.
 

@@ -104,7 +104,7 @@ pub const MAX_PRIMITIVES: usize = 1 << 16;
 /// Most nodes of a grid of distances: 128 MiB at 4 B a node, which is the largest buffer that every adapter binds; 0.7
 /// GB while the grid is made.
 pub const MAX_GRID_VALUES: usize = 1 << 25;
-/// Largest part of the box's cross-section that bodies may block: what is left lets the wind through.
+/// Largest part of the box's cross-section that bodies may block: the rest lets the wind through.
 pub const MAX_BLOCKED: f64 = 0.9;
 /// Deepest that a root may stand below the surface of a body, in radii of the largest ball that fits into the body.
 pub const DEEPEST_ROOT: f64 = 0.1;

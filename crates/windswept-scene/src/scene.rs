@@ -301,7 +301,7 @@ impl CheckedScene {
         load::text_in(self.text(), folder)
     }
 
-    /// The scene with values that the caller vouches for: nothing checks them. For a wind that was set, hair and
+    /// The scene with values that the caller vouches for: they are not checked. For a wind that was set, hair and
     /// particles of a caller's own, and tests.
     #[doc(hidden)]
     #[must_use]

@@ -1,4 +1,4 @@
-//! Triangles of mesh files: what a file says, and the closed surface that follows from it.
+//! Triangles of mesh files: the contents of a file, and the closed surface that follows from it.
 
 pub(crate) mod cache;
 mod close;

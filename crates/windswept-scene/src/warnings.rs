@@ -1,4 +1,4 @@
-//! Warnings: what a scene may do, but its user should know.
+//! Warnings of scenes that are valid, but may not do what their user expects.
 
 use glam::DVec3;
 

@@ -275,7 +275,7 @@ fn a_group_is_addressed_by_its_name() {
     }
 }
 
-/// A fault that comes with an assignment names the assignment; one that the file has, the file.
+/// A fault that comes with an assignment names the assignment; a fault in the file names the file.
 #[test]
 fn the_guilty_assignment_is_named() {
     let harmless = "title=x";

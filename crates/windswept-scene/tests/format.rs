@@ -64,7 +64,7 @@ fn uncommented() -> String {
     lines.collect::<Vec<_>>().join("\n")
 }
 
-/// The example names the common keys, and no others than there are; what stands as a comment stands there with its
+/// The example names the common keys, and no others than there are; a key in a comment has its
 /// default.
 #[test]
 fn quick_names_keys_with_their_defaults() {

@@ -1,4 +1,4 @@
-//! Groom files: the same curves out as in, in every format; what is broken is an error or sane curves, never a panic.
+//! Groom files: the same curves out as in, in every format; a broken file is an error or sane curves, never a panic.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 mod common;

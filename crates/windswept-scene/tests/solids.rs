@@ -373,7 +373,7 @@ fn roots_on_what_is_not_there_are_refused() {
     assert!(error.message().contains("there is none"), "{error}");
 }
 
-/// Triangles that were made in code enclose what those of a file do; what they enclose leaves room to air.
+/// Triangles that were made in code enclose what those of a file do; the solid leaves room to air.
 #[test]
 fn air_leaves_a_mesh_out() {
     let ball = CheckedShape::sphere([0.1, 0.06, 0.035], 0.02);
@@ -396,8 +396,8 @@ fn air_leaves_a_mesh_out() {
     assert!(meshed.air.positions.iter().all(|x| scene.bodies[0].shape.signed_distance(*x).0 >= 0.0));
 }
 
-/// Meshes have their grids in one buffer: what fits by itself may not fit beside another, which is said when the scene
-/// is read.
+/// Meshes have their grids in one buffer: a mesh that fits by itself may not fit beside another, which is said when the
+/// scene is read.
 #[test]
 #[ignore = "long: two grids of 17 million nodes"]
 fn meshes_that_are_too_large_together_are_refused() {

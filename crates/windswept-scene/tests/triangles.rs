@@ -375,8 +375,8 @@ fn files_have_the_same_triangles() {
     }
 }
 
-/// A Wavefront file that ends within a line before all its points have faces was cut off; one that ends so with all of
-/// them is whole.
+/// A Wavefront file that ends within a line before all its points have faces was cut off; a file that ends so with all
+/// of them is whole.
 #[test]
 fn a_wavefront_file_that_is_cut_off_is_refused() {
     let folder = Folder::new();
@@ -602,7 +602,7 @@ fn altered_files_do_not_panic() {
                     }
                 }
                 _ => {
-                    // A digit for a digit: what can be read, and lies.
+                    // A digit for a digit: the file can be read, and is wrong.
                     let digits: Vec<_> = (0..bytes.len()).filter(|&i| bytes[i].is_ascii_digit()).collect();
                     for _ in 0..3 {
                         bytes[digits[rng.random_range(0..digits.len())]] = rng.random_range(b'0'..=b'9');

@@ -91,7 +91,7 @@ impl Fence {
     /// A bundle of strands; in finer air as many steps per spacing.
     fn bundle(fibres: f64, finer: f64) -> Self {
         let coarse = Self::around(DENSE, fibres, 1.38e-3 / finer, [84, 60, 6]);
-        // The box is as long and wide; nothing varies along its depth.
+        // The box is as long and wide; the flow does not vary along its depth.
         let cells = [(84.0 * finer) as usize, (60.0 * finer) as usize, 6];
         Self { cells, finer, ..coarse }
     }
@@ -314,7 +314,8 @@ struct Strained {
     speed: [f64; 2],
 }
 
-/// Places of the strip from the start of the channel \[spacings\]: all that differ for nodes three spacings apart.
+/// Places of the strip from the start of the channel \[spacings\]: all places that differ for nodes three spacings
+/// apart.
 const PLACES: [f64; 3] = [22.0, 23.0, 24.0];
 
 /// Part of the channel that the strip takes.

@@ -229,7 +229,7 @@ fn fallen(velocities: &[[f32; 3]]) -> f64 {
     farthest(vectors(velocities).iter().map(|v| (*v - expected).length() / expected.length()), 0.0)
 }
 
-/// Loose strands that are pushed through air: what the air has after it, hair has less.
+/// Loose strands that are pushed through air: hair has less momentum by that of the air.
 fn given(gpu: &Gpu) -> Result<Row, Error> {
     let scene = Scene::parse(
         "gravity = [0, 0, 0]\ninteraction = { model = \"two-way\" }\ntime = { step = 1.38e-3, duration = 1.0 }\n\

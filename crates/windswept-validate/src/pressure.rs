@@ -1,4 +1,5 @@
-//! Air whose velocity is freed of divergence: what an ideal fluid keeps, what the solver loses of it, and what it adds.
+//! Air whose velocity is freed of divergence: the energy that an ideal fluid keeps, and the solver's losses and gains
+//! of it.
 
 use std::f64::consts::TAU;
 

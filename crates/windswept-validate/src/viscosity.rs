@@ -121,7 +121,7 @@ const MEASURED: f64 = 140.0 * STEP;
 /// Coefficient c of eq. 7, so large that XSPH far outweighs numerical viscosity.
 const COEFFICIENT: f64 = 0.14;
 
-/// Rows of the energy of Taylor-Green vortices, which decays as e^(−4νk²t), ν = c h²/(22 Δt) of XSPH; what remains
+/// Rows of the energy of Taylor-Green vortices, which decays as e^(−4νk²t), ν = c h²/(22 Δt) of XSPH; the decay
 /// without XSPH is numerical.
 pub(crate) fn taylor_green(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let xsph = COEFFICIENT * RADIUS * RADIUS / (22.0 * STEP);

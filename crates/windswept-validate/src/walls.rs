@@ -380,7 +380,7 @@ fn set_off(gpu: &Gpu, substeps: u32, steps: u64, most: f64) -> Result<Row, Error
     Ok(Row::new(name, 0.5 * (1.0 + most), impulse / (added * speed), 0.5 * (most - 1.0), ADDED))
 }
 
-/// Row of a pressure that is the same everywhere: what is left of its push within a kernel radius of a sphere, in
+/// Row of a pressure that is the same everywhere: the residual of its push within a kernel radius of a sphere, in
 /// layers of a quarter of a spacing.
 fn balanced(gpu: &Gpu) -> Result<Row, Error> {
     let tunnel = Tunnel { wind: WIND, ..STOOD };

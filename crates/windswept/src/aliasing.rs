@@ -2,7 +2,7 @@
 //!
 //! When an array is needed follows from what was recorded: from the first pass that binds it to the last one, in each
 //! recording. An array that is kept ([`Lifetime::Static`], [`Lifetime::Checkpointed`]) lies alone, and so does one that
-//! a recording reads before any of its passes wrote it: what it holds came from elsewhere.
+//! a recording reads before any of its passes wrote it: another recording or the host wrote its contents.
 //!
 //! Arrays that are read as textures (`textures.rs`) share those in the same way.
 

@@ -88,7 +88,7 @@ pub struct Buffers<'a> {
     /// Velocity of each particle \[m/s\]; the fourth number means nothing.
     pub velocities: &'a wgpu::Buffer,
     /// Stable id of the particle in each slot of air, a `u32`. Air lies in memory as it lies in the box, so that a step
-    /// may give a particle another slot; who draws all air alike need not look.
+    /// may give a particle another slot; a caller that draws all air alike does not need the ids.
     pub air_ids: &'a wgpu::Buffer,
     /// Orientation of each segment: the rotation (x, y, z, w) from material frame to world.
     pub orientations: &'a wgpu::Buffer,

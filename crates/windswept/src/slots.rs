@@ -1,4 +1,4 @@
-//! Where air is in memory: what leaves the engine goes by stable ids, what is in it by slots.
+//! Slots of air in memory: arrays for a caller are ordered by stable ids, the engine's own by slots.
 
 /// Stable id of the particle in each slot of air.
 ///

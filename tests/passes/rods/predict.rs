@@ -194,7 +194,7 @@ fn draw(hair: &mut Strands, s: usize, rng: &mut Pcg64, slower: f64) {
     }
 }
 
-/// Strands with the cases in turn, each with a history, and forces, of its own; what is committed on both sides.
+/// Strands with the cases in turn, each with a history, and forces, of its own; committed on both sides.
 fn with_cases(n: usize, keys: &str, step: f64) -> (Fixture, Reference, Vec<DVec3>) {
     let (mut scene, mut initial) = strands(n, keys);
     scene.time.step = step;

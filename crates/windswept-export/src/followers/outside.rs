@@ -3,8 +3,8 @@
 //! A follower is an average of strands, and an average of hairs that go around a body can go through it. Such a
 //! follower is laid anew from its first point inside on, root to tip: each point goes where it was to be, as far from
 //! the point before it as it was, and from there to the nearest place outside that is as far. The follower keeps the
-//! lengths of its segments, lies on the body, and goes on behind it to where it was to be. Its root stays, and so does
-//! what comes before the first point inside.
+//! lengths of its segments, lies on the body, and goes on behind it to where it was to be. Its root stays, and so do
+//! the points before the first one inside.
 
 use glam::{DVec3, Vec3};
 use windswept_scene::{CheckedBody, CheckedShape};

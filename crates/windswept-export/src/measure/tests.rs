@@ -192,7 +192,7 @@ fn strands_turn_by_their_angle() {
     near(still(vec![vec![DVec3::ZERO, DVec3::X, DVec3::ZERO]]).turning_mean_degrees, 180.0, 1e-6);
 }
 
-/// A helix has its turns, of either sense and about a bent axis; nothing in a plane has any.
+/// A helix has its turns, of either sense and about a bent axis; a curve in a plane has none.
 #[test]
 fn curls_keep_their_turns() {
     let (segments, turns) = (80, 5.0);

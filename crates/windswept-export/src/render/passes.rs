@@ -37,7 +37,7 @@ pub(super) struct Passes {
     air: Draw,
 }
 
-/// A solid surface: what hair grows from, what it stays out of.
+/// A solid surface, of a patch that hair grows from, or of a body.
 #[derive(Debug)]
 struct Patch {
     draw: Draw,

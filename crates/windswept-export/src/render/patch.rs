@@ -32,7 +32,7 @@ pub(super) fn corners(scene: &CheckedScene, time: f64) -> Vec<Corner> {
     patches(scene).flat_map(of_group).collect()
 }
 
-/// Groups whose roots are on a patch: what a groom file grows from is not known, and bodies are drawn anyway.
+/// Groups whose roots are on a patch. A groom file's surface is not known, and bodies are drawn by themselves.
 pub(super) fn patches(scene: &CheckedScene) -> impl Iterator<Item = (&Hair, RootPatch)> {
     scene.hair.iter().filter_map(|hair| Some((hair, hair.as_drawn()?.roots.patch()?)))
 }

@@ -1,5 +1,5 @@
-//! Coarse solve for the pressure: what a few iterations do not reach, in one stroke, on nodes about three spacings
-//! apart.
+//! Coarse solve for the pressure: the long waves that a few iterations do not reach, in one solve on nodes about three
+//! spacings apart.
 //!
 //! ```text
 //!   r_n  = Σ_i φ_n(x_i) s_i/max(1, θ_i)                       φ_n: product of a quadratic B-spline along each axis

@@ -57,16 +57,18 @@ pub fn normal_impulse(
 /// are equal and opposite between points of different strands, across the line that joins them:
 ///
 /// ```text
-///   J_ij = −k_ij u_ij,  k_ij = min(p_ij/(P_i + P_j), μ p_ij/|u_ij|)   u: what of the difference of pulls is normal to
-///   x_i − x_j P_i  = w_i Σ_j p_ij                                               the squeeze
-///   g_i ← c_i (g_i + w_i Σ_j k_ij s_ij)                               s: of the velocities of the last step, as u of
-///   pulls c_i  = Σ_j k_ij / Σ_j p_ij/(P_i + P_j)                            1 where all pairs stick, towards 0 where
-///   they slide
+///   J_ij = −k_ij u_ij,  k_ij = min(p_ij/(P_i + P_j), μ p_ij/|u_ij|)
+///       u: component of the difference of pulls that is normal to x_i − x_j
+///   P_i  = w_i Σ_j p_ij,  the squeeze
+///   g_i ← c_i (g_i + w_i Σ_j k_ij s_ij)
+///       s: of the velocities of the last step, as u of pulls
+///   c_i  = Σ_j k_ij / Σ_j p_ij/(P_i + P_j)
+///       1 where all pairs stick, towards 0 where they slide
 /// ```
 /// The first term of k_ij is the largest with which friction cannot overshoot, whatever the masses: with it the
 /// impulses of all pairs take no more from any relative motion than there is. The second term is Coulomb's cap (Macklin
 /// et al. 2014, eq. 24), with the constraint's own impulse for the depth. The tangential spring g is that of Cundall &
-/// Strack (1979), kept by points instead of pairs: it holds what sticks where it is, and what slides lets go of it.
+/// Strack (1979), kept by points instead of pairs: it holds a sticking point in place, and fades as the point slides.
 #[must_use]
 pub fn friction(
     p: &Parameters,

@@ -92,7 +92,7 @@ pub(super) fn run(s: &State, w: &mut Scratch, p: &Parameters, constrained: usize
     w.eddies = w.deformation.iter().map(|deformation| eddies(p, *deformation)).collect();
     w.shift = spread(p, &w.predicted, &w.new_velocity, volume, &w.near, &w.deformation, &w.walls);
     see("fluid/spread", s, w);
-    // The coarse grid sees particles where they were: what they are spread by is little to its nodes.
+    // The coarse grid takes particles where they were: the move by the spread is small beside the distance of nodes.
     w.sorted_position.clone_from(&w.predicted);
     w.predicted.iter_mut().zip(&w.shift).for_each(|(x, shift)| *x += *shift);
     walls(w, p);
@@ -148,8 +148,8 @@ fn solve(s: &State, w: &mut Scratch, p: &Parameters, see: &mut Observer<'_>) {
     }
 }
 
-/// Adds the impulses of multipliers `lambda` on bodies \[m/s\]: a body gets what its wall pushes a particle by, and
-/// what BDF2 makes of that in the steps after.
+/// Adds the impulses of multipliers `lambda` on bodies \[m/s\]: a body gets the impulse of its wall on a particle, and
+/// the impulses that BDF2 makes of it in the steps after.
 pub fn give_bodies(w: &mut Scratch, lambda: &[f64]) {
     for ((wall, moments), lambda) in w.walls.iter_mut().zip(&w.moments).zip(lambda) {
         wall.impulse += LASTING * lambda * moments.wall;

@@ -1,4 +1,4 @@
-//! Walls: what bodies are to the air near them, for solver `divergence`.
+//! Walls: boundary conditions of bodies for the air near them, for solver `divergence`.
 //!
 //! A body is a plane at the distance φ of its nearest surface, with that surface's normal n. The air's sums lack the
 //! parts of the kernels beyond the plane, P of Spiky's gradient and Ψ of Poly6, which are integrals of φ alone. Beyond

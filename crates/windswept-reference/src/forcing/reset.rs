@@ -11,8 +11,8 @@ const WORLD: f64 = 1e9;
 /// Largest distance of the square of a frame's length from 1.
 const UNLIKE: f64 = 0.1;
 
-/// Resets strands before anything else looks at them: those that the step before left bad, and those that are invalid,
-/// which are bad from here on. Returns the number of the invalid.
+/// Resets strands before any other function reads them: those that the step before left bad, and those that are
+/// invalid, which are bad from here on. Returns the number of invalid strands.
 pub fn recover(s: &mut State) -> usize {
     let mut invalid = 0;
     for strand in 0..s.hair.len() {

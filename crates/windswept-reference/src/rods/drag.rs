@@ -129,7 +129,7 @@ pub fn ahead(p: &Parameters, point: &Point, position: DVec3, h: f64) -> (DVec3, 
     }
 }
 
-/// Whether `drag` resists no point of a strand by more than BDF2 bears: what BDF2 extrapolates of the drag grows into a
+/// Whether `drag` resists no point of a strand by more than BDF2 bears: the drag that BDF2 extrapolates grows into a
 /// flutter from Δt w D_n = 0.39 on (hairs of 30 to 60 µm, 1 and 4 GPa, 30 to 100 mm in 3 to 20 m/s).
 #[must_use]
 pub fn follows_wind(
@@ -148,7 +148,7 @@ pub fn follows_wind(
 ///
 /// Each point takes half of D and F of the segments beside it, u the mean of its two points' less the segment's own
 /// velocity, with tangents of `x` \[m\] and velocities `v` \[m/s\] that lead the step ([`ahead`]). D_n is the larger
-/// eigenvalue of D; what D resists less along the fibre is left where v is:
+/// eigenvalue of D; the smaller resistance along the fibre is corrected with v as it is:
 ///
 /// ```text
 ///   force = D (u − v) + D_n v + F,   resistance = D_n       both times min(1, 1/(Δt G D_n))

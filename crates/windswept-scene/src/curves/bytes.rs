@@ -1,4 +1,4 @@
-//! The bytes of a file, from front to back: what is missing is an error that says where.
+//! The bytes of a file, from front to back: a missing byte is an error that says where.
 
 use crate::error::SceneError;
 

@@ -180,7 +180,7 @@ impl Curves {
         taken
     }
 
-    /// Whether a curve is left to be simulated of the `total` that there were: one that is marked, where some were.
+    /// Whether a curve of the `total` is left to be simulated; if some were marked, a marked one.
     fn check_left(&self, total: usize, marked: bool, dropped: &Dropped) -> Result<(), SceneError> {
         let what = match (self.len(), self.marked()) {
             (0, _) => "strands",

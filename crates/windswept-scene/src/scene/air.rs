@@ -191,7 +191,7 @@ impl Air {
         let radius = self.kernel_radius;
         let spacing = (self.particle_mass / self.rest_density).cbrt();
         let least = rounded(MIN_KERNEL_RADIUS * spacing);
-        // As the error rounds it: who follows its advice is right.
+        // Rounded as in the error, so that the value that the error names is accepted.
         if rounded(radius) < least {
             let words = format!(
                 "is {:.3} of the particle spacing, {} m (air.particle_mass); expected at least {MIN_KERNEL_RADIUS} of it, {least} m",

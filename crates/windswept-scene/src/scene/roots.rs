@@ -1,4 +1,4 @@
-//! `hair.roots`: what the strands of a group are rooted on.
+//! `hair.roots`: the surface that the roots of a group of strands lie on.
 
 use crate::{
     declare::{table, variants},

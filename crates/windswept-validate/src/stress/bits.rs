@@ -66,7 +66,7 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     Ok(vec![differing])
 }
 
-/// How many bytes of two states differ; one that is longer differs by what it has more.
+/// Number of bytes that differ in two states; the excess length of the longer one counts as different.
 #[must_use]
 pub fn differing_bytes(one: &[u8], other: &[u8]) -> usize {
     one.iter().zip(other).filter(|(a, b)| a != b).count() + one.len().abs_diff(other.len())

@@ -1,4 +1,4 @@
-//! A run of 100 000 steps: nothing grows.
+//! A run of 100 000 steps: neither speed, energy nor memory grows.
 
 use glam::DVec3;
 use windswept::{Gpu, Simulation};
@@ -109,8 +109,8 @@ fn small(gpu: &Gpu, coupling: &str, keys: &[&str]) -> Result<Simulation, Error> 
 /// Steps of a batch while memory is watched.
 const STEPS_PER_BATCH: u64 = 4;
 
-/// Growth of this process's memory in ten thousand steps, after as many as a third of them; nothing else may run in it.
-/// Without a sample where the system does not tell.
+/// Growth of this process's memory in ten thousand steps, after as many as a third of them; no other work may run in
+/// it. Without a sample where the system does not tell.
 ///
 /// Every batch has as many steps: left to itself a simulation runs as many in one as take 0.1 s, more once the machine
 /// has less other work, and the driver may keep memory for each of them.

@@ -14,7 +14,7 @@ use crate::{error::RunError, report::Reset, status};
 const REMEMBERED: usize = 1000;
 /// Strands that are named of those that ended a run.
 const NAMED: usize = 10;
-/// Times that a step is tried again: what comes back each time will not go away.
+/// Most times that a step is tried again: a fault that comes back each time is taken as lasting.
 const TRIES: u32 = 3;
 
 impl Simulation {

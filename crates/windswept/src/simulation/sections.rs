@@ -1,4 +1,4 @@
-//! A file of named sections, of which each has its length and its checksum: what a checkpoint is made of.
+//! The file format of checkpoints: named sections, each with its length and its checksum.
 //!
 //! ```text
 //! 8 bytes  magic: 89 "WSWP" 0D 0A 1A
