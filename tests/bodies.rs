@@ -191,7 +191,7 @@ fn deepest_place(simulation: &Simulation, points_of_strand: usize) -> f64 {
 /// mm, all under the middle of one of its segments: it lies on it.
 #[test]
 fn segments_lie_on_what_is_smaller_than_they_are() {
-    let hair = Hair::drawn_on(1, 9, 0.08, Roots::disc([0.0, 0.01, 0.0], 1e-3).toward([1.0, 0.0, 0.0]));
+    let hair = Hair::drawn(1, 9, 0.08, Roots::disc([0.0, 0.01, 0.0], 1e-3).toward([1.0, 0.0, 0.0]));
     let mut ball = support::alone(1.38e-3, [hair]);
     ball.rods.damping = 10.0;
     ball.bodies = vec![Body::sphere([0.045, 0.0, 0.0], 0.003)];
@@ -219,7 +219,7 @@ fn segments_lie_on_what_is_smaller_than_they_are() {
 #[test]
 fn hair_that_starts_inside_comes_out_slowly() {
     for (points, weight) in [(10, 0.0), (46, 9.81)] {
-        let mut round = support::alone(1.38e-3, [Hair::drawn_on(4, points, 0.09, Roots::disc([0.0; 3], 0.004))]);
+        let mut round = support::alone(1.38e-3, [Hair::drawn(4, points, 0.09, Roots::disc([0.0; 3], 0.004))]);
         round.gravity = [0.0, -weight, 0.0];
         round.bodies = vec![Body::sphere([0.01, -0.06, 0.004], 0.03)];
         let meshed = support::meshed(&round, 64, 128, 1e-3);

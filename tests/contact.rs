@@ -45,7 +45,7 @@ fn a_ball_takes_hair_along() {
         (30.0, 0.35e-3, 14, false),
     ] {
         let time = 0.1 / speed;
-        let hair = Hair::drawn_on(1, points, 0.08, Roots::disc([0.0; 3], 1e-6));
+        let hair = Hair::drawn(1, points, 0.08, Roots::disc([0.0; 3], 1e-6));
         let mut scene = support::alone(step, [hair]);
         scene.rods = Rods { damping: 2.0, sleep: false, ..Rods::default() };
         let away = Keyframe { translation: [0.1, 0.0, 0.0], ..Keyframe::new(time) };
@@ -71,7 +71,7 @@ fn a_ball_takes_hair_along() {
 /// Hair of 350 mm on a head, in 15 m/s: it stays out and whole, comes to rest and trembles by next to nothing.
 #[test]
 fn hair_lies_on_a_head_in_strong_wind() {
-    let hair = Hair::drawn_on(1, 36, 0.35, Roots::disc([0.0; 3], 1e-6).toward([0.825, 0.565, 0.0]));
+    let hair = Hair::drawn(1, 36, 0.35, Roots::disc([0.0; 3], 1e-6).toward([0.825, 0.565, 0.0]));
     let air = Air { ramp: 0.0, ..Air::default().wind([-15.0, -4.5, 0.0]) };
     let mut scene = support::in_wind(1.38e-3, air, [hair]);
     scene.rods = Rods { damping: 2.0, sleep: false, ..Rods::default() };
@@ -101,7 +101,7 @@ fn hair_lies_on_a_head_in_strong_wind() {
 /// A body that moves wakes the hair that it reaches, and no other.
 #[test]
 fn a_body_wakes_what_it_reaches() {
-    let strand = |name, x| Hair::drawn_on(1, 11, 0.05, Roots::disc([x, 0.0, 0.0], 1e-6)).named(name);
+    let strand = |name, x| Hair::drawn(1, 11, 0.05, Roots::disc([x, 0.0, 0.0], 1e-6)).named(name);
     let mut scene = support::alone(4e-3, [strand("a", 0.0), strand("b", 0.3)]);
     scene.rods.damping = 20.0;
     let there = Keyframe { translation: [0.12, 0.0, 0.0], ..Keyframe::new(3.2) };
@@ -131,7 +131,7 @@ fn pins_turn_with_a_head() {
         [(free, &[10_usize][..]), (free, &[20]), (free, &[6, 14]), (pinned, &[20]), (clamped, &[8, 20])]
     {
         for step in [1.38e-3, 5e-3] {
-            let hair = Hair::drawn_on(1, 21, 0.2, Roots::disc([0.0; 3], 1e-9).toward([1.0, 0.0, 0.0]));
+            let hair = Hair::drawn(1, 21, 0.2, Roots::disc([0.0; 3], 1e-9).toward([1.0, 0.0, 0.0]));
             let mut scene = support::in_wind(step, Air::default().wind([0.0; 3]), [Hair { tip, ..hair }]);
             scene.rods.damping = 2.0;
             let mut simulation = start(&scene);
@@ -178,7 +178,7 @@ fn pins_turn_with_a_head() {
 /// Pins that hold nothing are named errors, and leave those before.
 #[test]
 fn wrong_pins_are_errors() {
-    let hair = Hair::drawn_on(2, 5, 0.05, Roots::disc([0.0; 3], 0.01));
+    let hair = Hair::drawn(2, 5, 0.05, Roots::disc([0.0; 3], 0.01));
     let mut simulation = start(&support::alone(1e-3, [hair]));
     let place = [DVec3::ZERO];
     let mut error = |points: &[usize], places: &[DVec3]| simulation.set_pins(points, places).unwrap_err().to_string();
@@ -200,8 +200,7 @@ fn wrong_pins_are_errors() {
 fn held_tips_go_with_their_roots() {
     for tip in [End::Pinned, End::Clamped] {
         let end = Keyframe { time: 0.25, translation: [0.02, 0.0, 0.0], rotation: [0.3, 0.0, 0.7] };
-        let (motion, hair) =
-            ([Keyframe::new(0.05), end].into(), Hair::drawn_on(3, 15, 0.1, Roots::disc([0.0; 3], 0.02)));
+        let (motion, hair) = ([Keyframe::new(0.05), end].into(), Hair::drawn(3, 15, 0.1, Roots::disc([0.0; 3], 0.02)));
         let mut simulation = start(&support::alone(1.38e-3, [Hair { tip, motion, ..hair }]));
         simulation.step(250).unwrap();
         let (from, now) =

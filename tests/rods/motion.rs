@@ -214,7 +214,7 @@ fn free_roots_are_not_set() {
 /// `[[hair.motion]]` moves roots as `set_roots` does, and frames and substeps follow.
 #[test]
 fn keyframes_move_roots() {
-    let still = Hair::drawn_on(3, 12, 0.1, Roots::disc([0.1, 0.2, 0.3], 0.02));
+    let still = Hair::drawn(3, 12, 0.1, Roots::disc([0.1, 0.2, 0.3], 0.02));
     let end = Keyframe { time: 0.2, translation: [0.03, 0.0, 0.01], rotation: [0.0, 1.5, 0.0] };
     let moving = Hair { motion: [Keyframe::new(0.0), end].into(), ..still.clone() };
     for substeps in [1, 4] {

@@ -192,7 +192,7 @@ fn most_points_do_not_tear_in_long_steps() {
 /// left unsolved.
 fn assert_whole(cases: &[(u32, f64, f64)]) {
     for &(points, step, bound) in cases {
-        let hair = Hair::drawn_on(8, points, 0.1, Roots::cap([0.0; 3], 0.01).toward([1.0, 0.0, 0.0]));
+        let hair = Hair::drawn(8, points, 0.1, Roots::cap([0.0; 3], 0.01).toward([1.0, 0.0, 0.0]));
         let mut simulation = Simulation::new(&support::gpu(), &support::alone(step, [hair])).unwrap();
         simulation.step(60).unwrap();
         let report = simulation.report().unwrap();

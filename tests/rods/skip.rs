@@ -32,7 +32,7 @@ const CALM: Disturbed =
 fn skipped(case: &Disturbed, drive: impl Fn(&mut Simulation, f64)) -> (f64, f64) {
     let Disturbed { what, gravity, damping, step, rest, then, moves } = case;
     let run = |sleep: bool| {
-        let hair = Hair::drawn_on(3, 20, LENGTH, Roots::disc([0.0; 3], 0.02).toward([0.3, -1.0, 0.0]));
+        let hair = Hair::drawn(3, 20, LENGTH, Roots::disc([0.0; 3], 0.02).toward([0.3, -1.0, 0.0]));
         let mut scene = support::in_wind(*step, Air::default().wind([0.0; 3]), [hair]);
         scene.gravity = [0.0, -gravity, 0.0];
         scene.rods = Rods { damping: *damping, sleep, ..Rods::default() };
@@ -190,7 +190,7 @@ fn real_hair(model: Model, wind: f64, step: f64, sleep: bool) -> Simulation {
     scene.rods.sleep = sleep;
     let air = Air::filling([0.08, 0.08, 0.03]).wind([wind, 0.0, 0.0]);
     scene.air = Some(Air { ramp: 0.0, ..air });
-    scene.hair = vec![Hair::drawn_on(1, 35, 0.05, Roots::disc([0.03, 0.07, 0.015], 1e-9))];
+    scene.hair = vec![Hair::drawn(1, 35, 0.05, Roots::disc([0.03, 0.07, 0.015], 1e-9))];
     Simulation::new(&support::gpu(), &scene).unwrap()
 }
 

@@ -31,7 +31,7 @@ fn stiff_segments_rest_on_a_chain_of_links() {
 /// A scene of strands of 50 mm in the mean wind.
 fn hair(strands: u32, segments: u32, step: f64, wind: f64) -> Scene {
     let fibre = Fibre { fibres_per_strand: 4.0, ..Fibre::default() };
-    let hair = Hair::drawn_on(strands, segments + 1, 0.05, Roots::disc([0.0; 3], 0.01));
+    let hair = Hair::drawn(strands, segments + 1, 0.05, Roots::disc([0.0; 3], 0.01));
     let air = Air { ramp: 0.0, ..Air::default().wind([wind, 0.0, 0.0]) };
     support::in_wind(step, air, [Hair { fibre, ..hair }])
 }
@@ -75,7 +75,7 @@ fn gusts_do_not_tear_held_tips_off() {
     };
     let keyframe = |(time, u)| Gust { time, velocity: [u, 0.0, 0.0] };
     let air = Air { gust: (0..10).flat_map(gust).map(keyframe).collect(), ..Air::default().wind([0.0; 3]) };
-    let hair = Hair::drawn_on(4, 35, 0.15, Roots::disc([0.0; 3], 0.02));
+    let hair = Hair::drawn(4, 35, 0.15, Roots::disc([0.0; 3], 0.02));
     let scene = support::in_wind(5e-3, air, [Hair { tip: End::Clamped, ..hair }]);
     let mut simulation = Simulation::new(&support::gpu(), &scene).unwrap();
     simulation.step(400).unwrap();
