@@ -35,8 +35,11 @@ fn bits(simulation: &Simulation) -> Vec<u32> {
     all.concat().concat().into_iter().map(f32::to_bits).collect()
 }
 
+/// A key, and what gives it another value.
+type Change = (&'static str, fn(&mut Scene));
+
 /// Changes of values that may change.
-fn changes() -> Vec<(&'static str, fn(&mut Scene))> {
+fn changes() -> Vec<Change> {
     vec![
         ("gravity", |scene| scene.gravity = [0.0, -3.0, 1.0]),
         ("air.wind", |scene| scene.air.as_mut().unwrap().wind = Some([3.0, 0.5, 0.0])),
@@ -137,7 +140,7 @@ fn fixed_keys_are_named() {
     let mut simulation = Simulation::new(&support::gpu(), &scene()).unwrap();
     simulation.step(1).unwrap();
     let before = bits(&simulation);
-    let cases: Vec<(&str, fn(&mut Scene))> = vec![
+    let cases: Vec<Change> = vec![
         ("time.step", |scene| scene.time.step = 1e-3),
         ("time.substeps", |scene| scene.time.substeps = 2),
         ("hair", |scene| scene.hair.push(Hair { name: "other".to_owned(), ..scene.hair[0].clone() })),
