@@ -128,7 +128,7 @@ fn bits_of_all_passes(
     bits(&engine)
 }
 
-/// Hair streams downwind, although many of its steps are not solved in a thousand metres a second.
+/// Hair streams downwind in up to a thousand metres a second, and each of its steps is solved.
 #[test]
 fn hair_streams_in_any_wind() {
     for wind in [100.0, 300.0, 1000.0] {
@@ -142,8 +142,11 @@ fn hair_streams_in_any_wind() {
         let downwind = points.chunks(9).map(|strand| f64::from(strand[8][0] - strand[0][0]) / 0.05);
         let least = downwind.fold(f64::INFINITY, f64::min);
         println!("{wind} m/s: {unsolved} of all steps unsolved, tips {least} L downwind");
-        // Measured TODO.
-        assert!(unsolved < 0.5 && least > 0.8, "{wind} m/s: {unsolved} of all steps unsolved, tips {least} L downwind");
+        // Measured: no step unsolved; 0.995, 0.894 and 1.000 L.
+        assert!(
+            unsolved < 0.01 && least > 0.8,
+            "{wind} m/s: {unsolved} of all steps unsolved, tips {least} L downwind"
+        );
     }
 }
 

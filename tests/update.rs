@@ -4,6 +4,7 @@
 #[path = "support/mod.rs"]
 mod support;
 
+use glam::DVec3;
 use windswept::{Error, Simulation};
 use windswept_scene::*;
 
@@ -132,6 +133,24 @@ fn gravity_acts_from_the_next_step_on() {
     let kept = simulation.frame().unwrap().hair.velocities[0][1];
     let expected = fallen - 0.5e-3 * 9.81;
     assert!((fallen + 0.02 * 9.81).abs() < 1e-4 && (kept - expected).abs() < 1e-5, "{fallen} {kept}");
+}
+
+/// A wind that was set is part of the simulation's scene: it stays in a scene made from that, and the scene as it was
+/// written takes it back.
+#[test]
+fn a_wind_that_was_set_is_part_of_the_scene() {
+    let mut simulation = Simulation::new(&support::gpu(), &scene()).unwrap();
+    simulation.step(2).unwrap();
+    simulation.set_wind(DVec3::new(0.0, 0.0, 1.5)).unwrap();
+    simulation.step(2).unwrap();
+    let mut lighter = simulation.scene().scene().clone();
+    lighter.gravity = [0.0, -3.0, 0.0];
+    simulation.update(&lighter).unwrap();
+    simulation.step(1).unwrap();
+    assert_eq!(simulation.engine().status().unwrap().wind, [0.0, 0.0, 1.5]);
+    simulation.update(&scene()).unwrap();
+    simulation.step(1).unwrap();
+    assert_eq!(simulation.engine().status().unwrap().wind, [2.0, 0.0, 0.0]);
 }
 
 /// Values that say what there is are refused by their key, and the simulation is as it was.

@@ -18,7 +18,8 @@ use crate::{
     fixture::{Fixture, quaternion, relative, stirred, xyz},
     forcing::fields,
     steps::{
-        DRAG, FIELDS_ON_HAIR, Fault, GALE, LIGHT_HAIR, LOOSE, NEWTON, PARTICLES, PUSHED, STORM, SWEEPS, TAUT, TWO_WAY,
+        DRAG, FIELDS_ON_HAIR, Fault, LIGHT_HAIR, LOOSE, NEWTON, PARTICLES, PUSHED, STORM, STRONG_WIND, SWEEPS, TAUT,
+        TWO_WAY,
     },
     support,
     walk::{Both, DENSITY, EXACT, FRAME, HAIR, LENGTH, Row, SPEED, WIND, differing, largest},
@@ -175,7 +176,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::rods::BEGIN, TWO_WAY, &[19]),
     (&shaders::rods::SAMPLE_AIR, TWO_WAY, &[42]),
     (&shaders::rods::DRAG, DRAG, &[134, 213]),
-    (&shaders::rods::DRAG, GALE, &[6]),
+    (&shaders::rods::DRAG, STRONG_WIND, &[6]),
     (&shaders::rods::SAMPLE_FIELDS, FIELDS_ON_HAIR, &[22]),
     (&shaders::rods::PUSH_HAIR, PUSHED, &[13]),
     (&shaders::rods::EXCLUDE_PUSH, PUSHED, &[14]),

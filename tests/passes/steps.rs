@@ -57,7 +57,7 @@ pub const LOOSE: &[&str] = &["hair.root=free", "interaction.model=drag", "air.ra
 const FLUNG: &[&str] =
     &["interaction.model=drag", "hair.motion=[{time=0},{time=0.002,translation=[0,0.3,0],rotation=[0,1,0]}]"];
 /// Settings with short strands, by which the air passes more than eight lengths in a step.
-pub const GALE: &[&str] =
+pub const STRONG_WIND: &[&str] =
     &["interaction.model=drag", "air.ramp=0.0", "air.wind=[20,10,0]", "hair.length=0.006", "time.step=0.004"];
 /// Settings with strands that are held at both ends.
 pub const TAUT: &[&str] =
@@ -235,7 +235,7 @@ pub const BOUNDS: Bounds = Bounds {
 fn bounds(sets: &[&str]) -> Bounds {
     let wind = match sets {
         _ if sets.contains(&"fluid.solver=divergence") => 2.6e-5,
-        _ if [NEWTON, LOOSE, GALE, STORM].iter().any(|strong| sets.starts_with(strong)) => 2.4e-4,
+        _ if [NEWTON, LOOSE, STRONG_WIND, STORM].iter().any(|strong| sets.starts_with(strong)) => 2.4e-4,
         _ => BOUNDS.wind,
     };
     let held = if sets.starts_with(TAUT) { 4.0 } else { 1.0 };

@@ -24,7 +24,7 @@ struct Disturbed {
 }
 
 /// Strands to which nothing is done.
-const CALM: Disturbed =
+const UNDISTURBED: Disturbed =
     Disturbed { what: "nothing", gravity: 9.81, damping: 2.0, step: 4e-3, rest: 4.0, then: 0.6, moves: 0.0 };
 
 /// Largest difference, of tips [L] and of frames [rad], between a run that skips what it may and one that skips
@@ -98,9 +98,13 @@ fn turn(simulation: &mut Simulation, turn: DQuat) {
 #[test]
 fn what_is_skipped_is_not_missed() {
     let apart = [
-        skipped(&Disturbed { what: "a breath", moves: 1e-3, ..CALM }, |s, _| wind(s, 1e-2)),
-        skipped(&Disturbed { what: "creeping roots", moves: 1e-4, ..CALM }, |s, t| shift(s, DVec3::Z * 1e-3 * t)),
-        skipped(&Disturbed { what: "turning roots", moves: 1e-2, ..CALM }, |s, t| turn(s, DQuat::from_rotation_z(t))),
+        skipped(&Disturbed { what: "a breath", moves: 1e-3, ..UNDISTURBED }, |s, _| wind(s, 1e-2)),
+        skipped(&Disturbed { what: "creeping roots", moves: 1e-4, ..UNDISTURBED }, |s, t| {
+            shift(s, DVec3::Z * 1e-3 * t)
+        }),
+        skipped(&Disturbed { what: "turning roots", moves: 1e-2, ..UNDISTURBED }, |s, t| {
+            turn(s, DQuat::from_rotation_z(t))
+        }),
     ];
     assert_not_missed(&apart);
 }
@@ -110,12 +114,12 @@ fn what_is_skipped_is_not_missed() {
 #[ignore = "long: 14 s of CPU time"]
 fn what_is_skipped_is_not_missed_in_much_wind() {
     let apart = [
-        skipped(&CALM, |_, _| ()),
-        skipped(&Disturbed { what: "wind", moves: 0.1, ..CALM }, |s, _| wind(s, 0.5)),
-        skipped(&Disturbed { what: "swinging roots", moves: 1e-2, ..CALM }, |s, t| {
+        skipped(&UNDISTURBED, |_, _| ()),
+        skipped(&Disturbed { what: "wind", moves: 0.1, ..UNDISTURBED }, |s, _| wind(s, 0.5)),
+        skipped(&Disturbed { what: "swinging roots", moves: 1e-2, ..UNDISTURBED }, |s, t| {
             shift(s, DVec3::Z * 0.02 * (30.0 * t).sin());
         }),
-        skipped(&Disturbed { what: "a twist", moves: 1.0, then: 2.0, ..CALM }, |s, _| {
+        skipped(&Disturbed { what: "a twist", moves: 1.0, then: 2.0, ..UNDISTURBED }, |s, _| {
             turn(s, DQuat::from_rotation_y(1.5))
         }),
     ];
@@ -126,11 +130,14 @@ fn what_is_skipped_is_not_missed_in_much_wind() {
 #[test]
 #[ignore = "long: 20 s of CPU time"]
 fn what_is_skipped_in_honey_or_weightless_is_not_missed() {
-    let floating = Disturbed { gravity: 0.0, rest: 1.0, then: 4.0, ..CALM };
+    let floating = Disturbed { gravity: 0.0, rest: 1.0, then: 4.0, ..UNDISTURBED };
     let apart = [
         skipped(&Disturbed { what: "a breath, no weight", moves: 1e-4, ..floating }, |s, _| wind(s, 3e-4)),
         skipped(&Disturbed { what: "less than a breath, no weight", ..floating }, |s, _| wind(s, 1e-5)),
-        skipped(&Disturbed { what: "honey", damping: 300.0, step: 16e-3, rest: 100.0, then: 8.0, ..CALM }, |_, _| ()),
+        skipped(
+            &Disturbed { what: "honey", damping: 300.0, step: 16e-3, rest: 100.0, then: 8.0, ..UNDISTURBED },
+            |_, _| (),
+        ),
     ];
     assert_not_missed(&apart);
 }

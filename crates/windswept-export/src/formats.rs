@@ -39,7 +39,7 @@ pub type CreateSink = fn(&Start<'_>) -> Result<Box<dyn FrameSink>, ExportError>;
 /// A file that holds a whole film of strands.
 #[derive(Debug)]
 pub struct FilmFile {
-    /// Its name within the run's folder, with the suffix of every such file.
+    /// Name of the file in the run's folder; films of this format have its suffix.
     pub file: &'static str,
     /// Writes a film into the file of a path, which is replaced once all is written.
     pub write: fn(&Path, &Film<'_>) -> Result<(), ExportError>,

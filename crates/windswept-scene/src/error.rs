@@ -46,12 +46,6 @@ impl SceneError {
         Self(Box::new(Fault { message, ..Fault::default() }))
     }
 
-    /// The fault of a key, by its path.
-    #[must_use]
-    pub fn of_key(key: &str, message: &str) -> Self {
-        Self::new(message).at(key, None)
-    }
-
     /// One error of several faults; `None` where there is none.
     pub(crate) fn of_all(faults: impl IntoIterator<Item = Self>) -> Option<Self> {
         let mut faults = faults.into_iter();
@@ -174,7 +168,7 @@ impl fmt::Display for SceneError {
     }
 }
 
-/// As it is displayed, so that a `main` that returns it shows what a user can read.
+/// The text of [`fmt::Display`], which a `main` that returns the error prints.
 impl fmt::Debug for SceneError {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         fmt::Display::fmt(self, f)

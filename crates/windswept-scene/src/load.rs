@@ -145,6 +145,12 @@ impl Scene {
         called(&self.hair, group)
     }
 
+    /// The fault of a key, by its real path (`hair.0.strands`): the error has the key by name (`hair.strands`).
+    #[must_use]
+    pub fn fault(&self, path: &str, message: &str) -> SceneError {
+        self.called_by_name(SceneError::new(message).at(path, None))
+    }
+
     /// The error of a scene in code, whose key is a real path (`hair.0.file`), with the key by name (`hair.file`).
     fn called_by_name(&self, error: SceneError) -> SceneError {
         let group = |key: &str| key.strip_prefix("hair.")?.split('.').next()?.parse().ok();
@@ -265,17 +271,18 @@ impl Source {
         found: impl Fn(&str) -> Vec<SceneError>,
     ) -> SceneError {
         let (given, sets) = &self.given;
-        let mut texts = vec![(None, given.clone())];
-        for assignment in sets {
-            let before = &texts[texts.len() - 1].1;
-            texts.push((Some(assignment), assign::set(before, assignment).unwrap_or_else(|_| before.clone())));
-        }
-        // The last text is that of the faults.
-        texts.pop();
-        let known: Vec<_> = texts.iter().map(|(assignment, text)| (*assignment, found(text))).collect();
+        // Faults of the text before each assignment; the text after the last one is that of `faults`.
+        let mut text = given.clone();
+        let known: Vec<_> = sets
+            .iter()
+            .map(|assignment| {
+                let after = assign::set(&text, assignment).unwrap_or_else(|_| text.clone());
+                found(&std::mem::replace(&mut text, after))
+            })
+            .collect();
         let located = faults.into_iter().map(|fault| {
             let same = |other: &SceneError| (other.key(), other.message()) == (fault.key(), fault.message());
-            let first = known.iter().position(|(_, faults)| faults.iter().any(same)).unwrap_or(known.len());
+            let first = known.iter().position(|faults| faults.iter().any(same)).unwrap_or(known.len());
             let shown = document.shown(fault);
             match first.checked_sub(1).and_then(|before| sets.get(before)) {
                 Some(assignment) => shown.of_assignment(assignment),

@@ -360,26 +360,6 @@ impl SceneValues {
         self.why_no_coarse().is_none()
     }
 
-    /// Part of its unevenness that still air of solver `divergence` takes out in a substep (`docs/decisions/air.md`):
-    /// all of it in 1.38 ms, and so much less in a shorter one; 0 with the model `particles`, where hair takes the
-    /// place of air.
-    #[must_use]
-    pub fn settling(&self) -> f64 {
-        /// In 1 s.
-        const RATE: f64 = 725.0;
-        if self.interaction.model == Model::Particles {
-            return 0.0;
-        }
-        (RATE * self.time.step / f64::from(self.time.substeps)).min(1.0)
-    }
-
-    /// Share f of the way of air of solver `divergence` in a substep by which its particles are spread
-    /// (`docs/decisions/air.md`): 0.1 with the coarse grid, 0.05 without.
-    #[must_use]
-    pub fn spreading(&self) -> f64 {
-        if self.has_coarse_grid() { 0.1 } else { 0.05 }
-    }
-
     /// A warning where the mean wind and a force field carry air farther in a step of `time.substeps` substeps than its
     /// pressure keeps up with; `None` where it does not, or without air.
     #[must_use]

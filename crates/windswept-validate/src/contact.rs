@@ -83,7 +83,7 @@ struct Slide {
     names: [&'static str; 3],
     /// Tolerances: of what it slides, over it; where it stays \[m\]; of the distance from the surface \[m\].
     tolerances: [f64; 3],
-    /// Their grounds.
+    /// Measurement or theory behind each tolerance.
     sources: [&'static str; 3],
 }
 

@@ -17,7 +17,7 @@ use windswept_shaders::common::{
 use crate::{
     fixture::{Fixture, quaternion, xyz},
     hair::{ends, hold, motion, scene_with, strands},
-    steps::{DRAG, GALE, NEWTON, small},
+    steps::{DRAG, NEWTON, STRONG_WIND, small},
     walk::largest,
 };
 
@@ -180,7 +180,7 @@ fn loose_strands_keep_their_momentum() {
 /// storm.
 #[test]
 fn the_potential_falls_in_each_step() {
-    for sets in [DRAG, NEWTON, GALE] {
+    for sets in [DRAG, NEWTON, STRONG_WIND] {
         let scene = small(&[sets, &["rods.newton=8", "rods.sleep=false"]].concat());
         let initial = InitialState::new(&scene).unwrap();
         let p = Parameters::new(&scene.check().unwrap(), &initial);

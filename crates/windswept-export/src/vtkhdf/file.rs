@@ -42,7 +42,7 @@ const SYMBOL_TABLE: u64 = 0x11;
 
 /// A number as a film has it.
 pub(super) trait Number: Copy {
-    /// Its datatype message.
+    /// Datatype message of the number in the file.
     const TYPE: &'static [u8];
 
     /// The number of these bytes, as many as it has.
@@ -86,7 +86,7 @@ pub(super) struct Array {
     pub(super) rows: u64,
     /// Numbers in a row.
     pub(super) width: u64,
-    /// Its datatype message.
+    /// Datatype message of its numbers.
     number: Vec<u8>,
     place: Place,
 }

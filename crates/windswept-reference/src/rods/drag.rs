@@ -96,8 +96,8 @@ pub fn react(
 /// the air resists by more than BDF2 bears takes Euler.
 pub(super) fn act(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
     let (mut loads, mut limited) = taken(s, w, p);
-    let calm = |strand: usize| follows_wind(p, &s.hair, strand, &w.motions[strand], &w.moving, &loads);
-    let hasty: Vec<_> = (0..s.hair.len()).filter(|&strand| !calm(strand)).collect();
+    let follows = |strand: usize| follows_wind(p, &s.hair, strand, &w.motions[strand], &w.moving, &loads);
+    let hasty: Vec<_> = (0..s.hair.len()).filter(|&strand| !follows(strand)).collect();
     if !hasty.is_empty() {
         hasty.iter().for_each(|&strand| w.motions[strand].step = p.step);
         (loads, limited) = taken(s, w, p);

@@ -56,7 +56,7 @@ impl Strand {
         weight * self.length.powi(3) / bend
     }
 
-    /// Its group of a scene file, with the root at a place \[m\].
+    /// The strand as a `[[hair]]` table of a scene file, with its root at `root` \[m\].
     fn group(&self, name: usize, root: [f64; 3]) -> String {
         let Self { points, radius, length, .. } = self;
         let (_, stretch, bend) = self.properties();

@@ -1,6 +1,6 @@
 //! A simulation that goes on with another scene.
 
-use windswept_scene::{AsChecked, CheckedScene, InitialState, SceneError};
+use windswept_scene::{AsChecked, CheckedScene, InitialState};
 
 use super::{Origin, Simulation};
 use crate::error::{Error, GpuError};
@@ -54,7 +54,7 @@ const FIXED: &[&str] = &[
 
 impl Simulation {
     /// Goes on with another scene from the next step on. The state stays as it is, and so do roots, pins and a force
-    /// that were set; a wind that was set stays where the scenes' winds are the same. The
+    /// that were set; a wind that was set is part of [`Self::scene`], and stays in a scene that was made from it. The
     /// arrays that follow from the scene are those of a new simulation of it, so that a simulation that has not stepped
     /// yet has the same bits as a new one.
     ///
@@ -78,9 +78,9 @@ impl Simulation {
         };
         if let Some(key) = changed.iter().find(is_fixed) {
             let words = "expected the value that the simulation began with: start another simulation to change it";
-            return Err(Error::Scene(SceneError::of_key(key, words)));
+            return Err(Error::Scene(self.scene.scene().fault(key, words)));
         }
-        if changed.is_empty() && self.wind_set.is_none() {
+        if changed.is_empty() {
             return Ok(());
         }
         let mut next = self.with_scene(&scene, &changed)?;

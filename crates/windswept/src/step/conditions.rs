@@ -71,8 +71,7 @@ impl Conditions {
         Self {
             blows: exposed.and(Decision::when(!is_still, "air.wind is zero")),
             pushes: pushes(false),
-            recover: hair
-                .and(Decision::when(false, "not until a strand is not finite, or somebody puts hair somewhere")),
+            recover: hair.and(Decision::when(false, "until a strand is not finite or hair is set")),
             pbf: air.and(Decision::when(is_pbf, "fluid.solver is divergence")),
             walls: divergence.and(bodies.clone()),
             viscosity: air
