@@ -2,8 +2,8 @@
 //!
 //! `cargo run --release --example 02_brush_in_wind`: writes `out/brush/hair.vtkhdf` and `out/brush/last.png`.
 
+use windswept::export::{Kind, Provenance, Renderer, VtkHdfWriter, write_png};
 use windswept::{AdapterChoice, Gpu, Simulation};
-use windswept_export::{Kind, Provenance, Renderer, VtkHdfWriter, write_png};
 use windswept_scene::Scene;
 
 const FRAMES: u64 = 3;

@@ -138,7 +138,7 @@ fn reference_of(module: &str) -> String {
 
 /// Stages of the step: the files that record passes.
 fn stages() -> Vec<String> {
-    let folder = "crates/windswept/src/step";
+    let folder = "crates/windswept-engine/src/step";
     let mut names = files(folder, "rs");
     names.retain(|name| read(&format!("{folder}/{name}")).contains("pub fn record("));
     names.iter().map(|name| name.trim_end_matches(".rs").to_owned()).collect()
@@ -150,7 +150,7 @@ fn a_stage_has_one_file_in_each_of_three_places() {
     for stage in stages() {
         let test = read(&format!("tests/passes/{stage}.rs"));
         for (place, text, wanted) in [
-            ("step", read("crates/windswept/src/step.rs"), format!("{stage}::record(")),
+            ("step", read("crates/windswept-engine/src/step.rs"), format!("{stage}::record(")),
             ("reference's step", reference_of("step"), format!("{stage}::run(")),
             ("reference", reference_of(&stage), "\npub fn run(".to_owned()),
             ("comparisons", test.clone(), "\npub const ROWS: &[Row]".to_owned()),

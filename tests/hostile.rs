@@ -22,7 +22,7 @@ use std::{
 use rand::{Rng, SeedableRng, seq::IndexedRandom};
 use rand_pcg::Pcg64;
 use windswept::Checkpoint;
-use windswept_export::VtkHdfReader;
+use windswept::export::VtkHdfReader;
 use windswept_scene::{Curves, GroomFormat, Scene, Triangles};
 
 /// Longest time that a reader may take, and most memory that the process may have used by then \[bytes\].

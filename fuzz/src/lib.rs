@@ -2,8 +2,8 @@
 //!
 //! `cargo fuzz` calls them through `fuzz_targets/`, and `tests/hostile.rs` on stable, with the same corpora.
 
+use windswept::export::{Provenance, VtkHdfReader, VtkHdfWriter};
 use windswept::{Checkpoint, Frame};
-use windswept_export::{Provenance, VtkHdfReader, VtkHdfWriter};
 use windswept_scene::{
     Curves, DistanceGrid, Groom, GroomFile, GroomFormat, HairSource, InitialState, RestShape, Scene, Triangles, Up,
 };

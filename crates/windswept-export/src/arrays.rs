@@ -17,7 +17,7 @@ use std::fs::File;
 use std::io::{self, BufWriter, ErrorKind, Seek, SeekFrom, Write};
 use std::path::Path;
 
-use windswept::HairFrame;
+use windswept_engine::HairFrame;
 use windswept_scene::{AtomicFile, npy_head};
 use zip::{CompressionMethod, ZipWriter, write::SimpleFileOptions};
 

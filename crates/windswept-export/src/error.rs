@@ -55,8 +55,8 @@ pub enum ExportError {
     },
     /// The GPU that draws.
     #[error(transparent)]
-    Gpu(#[from] windswept::GpuError),
+    Gpu(#[from] windswept_engine::GpuError),
     /// The simulation whose state is to be written.
     #[error(transparent)]
-    Run(#[from] windswept::RunError),
+    Run(#[from] windswept_engine::RunError),
 }

@@ -1,6 +1,6 @@
 //! A film that is whole, of which files are made.
 
-use windswept::Frame;
+use windswept_engine::Frame;
 
 use crate::error::ExportError;
 use crate::provenance::Provenance;

@@ -27,7 +27,7 @@ mod places;
 mod tests;
 
 use glam::{Quat, Vec3};
-use windswept::{Frame, HairFrame};
+use windswept_engine::{Frame, HairFrame};
 use windswept_scene::{CheckedBody, CheckedScene, Curves, Hair, Strands, limits::MAX_HAIRS};
 
 use crate::error::ExportError;

@@ -11,7 +11,7 @@ mod window;
 
 use glam::DVec3;
 use serde::Serialize;
-use windswept::HairFrame;
+use windswept_engine::HairFrame;
 
 use crate::error::ExportError;
 use crate::strands::check_strands;

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use windswept::{Frame, Gpu};
+use windswept_engine::{Frame, Gpu};
 use windswept_scene::{CheckedScene, Curves, remove};
 
 use crate::error::ExportError;

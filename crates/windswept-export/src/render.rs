@@ -18,8 +18,8 @@ mod view;
 
 use glam::{DVec3, Vec3};
 use image::RgbaImage;
-use windswept::gpu::wgpu;
-use windswept::{Frame, Gpu, HairFrame};
+use windswept_engine::gpu::wgpu;
+use windswept_engine::{Frame, Gpu, HairFrame};
 use windswept_scene::{AirPicture, CheckedScene, Curves};
 use windswept_shaders::pictures::common::FINE;
 

@@ -5,7 +5,7 @@ use std::num::NonZeroU64;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use windswept::{Frame, RunError, Simulation};
+use windswept_engine::{Frame, RunError, Simulation};
 use windswept_scene::{AirPicture, Time};
 
 use crate::error::ExportError;

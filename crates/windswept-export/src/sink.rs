@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use windswept::{Frame, Gpu};
+use windswept_engine::{Frame, Gpu};
 use windswept_scene::{CheckedScene, Curves};
 
 use crate::error::ExportError;

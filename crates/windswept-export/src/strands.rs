@@ -1,6 +1,6 @@
 //! Checks of a frame's strands before anything is made of them.
 
-use windswept::HairFrame;
+use windswept_engine::HairFrame;
 
 /// Says what is wrong with strands whose points do not make strands, or whose arrays do not fit them.
 pub(crate) fn check_strands(hair: &HairFrame) -> Result<(), String> {

@@ -32,7 +32,7 @@ use std::fmt::Write as _;
 use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
-use windswept::{Frame, HairFrame};
+use windswept_engine::{Frame, HairFrame};
 use windswept_scene::AtomicFile;
 
 pub(crate) use self::binary::write_usdc;

@@ -43,7 +43,7 @@ mod reader;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use windswept::{Frame, HairFrame};
+use windswept_engine::{Frame, HairFrame};
 use windswept_scene::AtomicFile;
 
 use crate::error::ExportError;

@@ -6,7 +6,7 @@ mod groom;
 
 use glam::{DVec2, DVec3, Vec3};
 use image::RgbaImage;
-use windswept::{AirFrame, Frame};
+use windswept_engine::{AirFrame, Frame};
 use windswept_export::{ExportError, Followers, Renderer, View, image};
 use windswept_scene::{AirPicture, InitialState, LookAt, Scene};
 

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::path::Path;
 
 use glam::Vec3;
-use windswept::{AirFrame, Frame};
+use windswept_engine::{AirFrame, Frame};
 use windswept_export::{DEFAULT_FORMATS, FORMATS, Format, Start, files_with_made};
 
 use groom::{gpu, scene, strands};

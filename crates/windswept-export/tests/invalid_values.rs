@@ -5,7 +5,7 @@
 
 mod film;
 
-use windswept::Frame;
+use windswept_engine::Frame;
 use windswept_export::{ExportError, Kind, VtkHdfReader, VtkHdfWriter};
 
 use film::{PROVENANCE, assert_holds, film, frame, write};

@@ -3,7 +3,7 @@
 #![cfg(all(target_os = "linux", feature = "vtkhdf"))]
 #![allow(clippy::unwrap_used)] // a test may panic
 
-use windswept::{AirFrame, Frame};
+use windswept_engine::{AirFrame, Frame};
 use windswept_export::{Kind, Provenance, VtkHdfWriter};
 
 /// After 100 frames of 48 kB, 2000 more (96 MB in the file) add less than 2 MB to the process.

@@ -8,7 +8,7 @@ mod python;
 
 use std::path::Path;
 
-use windswept::Frame;
+use windswept_engine::Frame;
 use windswept_export::Kind;
 
 use film::{PROVENANCE, dump, film, write};

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use glam::Vec3;
 use image::RgbaImage;
-use windswept::HairFrame;
+use windswept_engine::HairFrame;
 use windswept_export::{Followers, Renderer, image};
 use windswept_scene::{CheckedShape, HairSource, InitialState, Roots, Solid};
 

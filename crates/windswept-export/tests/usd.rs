@@ -7,7 +7,7 @@ mod python;
 
 use std::path::Path;
 
-use windswept::{Frame, HairFrame};
+use windswept_engine::{Frame, HairFrame};
 use windswept_export::{ExportError, Film, Format, UsdWriter};
 
 use film::{PROVENANCE, dump, film, frame};

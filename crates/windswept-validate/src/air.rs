@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use windswept::{AirFrame, Gpu, Simulation, ops::Particles};
+use windswept_engine::{AirFrame, Gpu, Simulation, ops::Particles};
 use windswept_scene::{Air, AirParticles, InitialState, Scene};
 
 use crate::Error;

@@ -3,7 +3,7 @@
 use std::f64::consts::{SQRT_2, TAU};
 
 use glam::DVec3;
-use windswept::{Gpu, internals::step};
+use windswept_engine::{Gpu, internals::step};
 use windswept_reference::{
     neighbours,
     turbulence::{self, MG, MM},

@@ -1,7 +1,7 @@
 //! Bodies: Coulomb's law, nothing inside, air half a spacing away.
 
 use glam::{DQuat, DVec3, EulerRot};
-use windswept::{Gpu, Simulation};
+use windswept_engine::{Gpu, Simulation};
 use windswept_scene::{CheckedShape, Groom, InitialState, Scene, SceneError, Solid, Triangles};
 
 use crate::{

@@ -1,7 +1,7 @@
 //! Hair and air together: hair receives the momentum that air loses.
 
 use glam::DVec3;
-use windswept::{Gpu, Simulation};
+use windswept_engine::{Gpu, Simulation};
 use windswept_reference::{self as reference, Parameters, State, fluid, step::unobserved};
 use windswept_scene::{FluidSolver, InitialState, Scene};
 use windswept_shaders::common::rod::RodPoint;

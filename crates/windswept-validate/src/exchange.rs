@@ -2,7 +2,7 @@
 //! air slowed as by a porous strip; a porous strip across a channel; a bundle of strands; momentum and energy.
 
 use glam::DVec3;
-use windswept::{Gpu, Simulation, internals::step};
+use windswept_engine::{Gpu, Simulation, internals::step};
 use windswept_reference::elastica::{Hair, REAL};
 use windswept_scene::{AirParticles, InitialState, Scene};
 

@@ -1,6 +1,6 @@
 //! The density constraint (eq. 1) by Jacobi iterations.
 
-use windswept::Gpu;
+use windswept_engine::Gpu;
 use windswept_reference::tables;
 
 use crate::{

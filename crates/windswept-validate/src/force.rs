@@ -1,7 +1,7 @@
 //! Force fields, and a force that a caller sets.
 
 use glam::DVec3;
-use windswept::{Accelerations, Gpu, Simulation, internals::step};
+use windswept_engine::{Accelerations, Gpu, Simulation, internals::step};
 use windswept_scene::{InitialState, Scene};
 
 use crate::{

@@ -1,7 +1,7 @@
 //! Friction of hair on hair: Coulomb's law on a bed of strands, a mat that lies on one, and momentum.
 
 use glam::DVec3;
-use windswept::{Gpu, Simulation, internals::step};
+use windswept_engine::{Gpu, Simulation, internals::step};
 use windswept_scene::{InitialState, Scene};
 use windswept_shaders::common::rod::SLEEPS;
 

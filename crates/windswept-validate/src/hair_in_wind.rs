@@ -5,7 +5,7 @@
 use std::f64::consts::PI;
 
 use glam::{DQuat, DVec3};
-use windswept::{Gpu, Simulation};
+use windswept_engine::{Gpu, Simulation};
 use windswept_reference::{
     elastica::{Hair, REAL},
     tables,

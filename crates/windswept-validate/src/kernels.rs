@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use windswept::{Gpu, ops::Particles};
+use windswept_engine::{Gpu, ops::Particles};
 use windswept_reference::tables;
 
 use crate::{

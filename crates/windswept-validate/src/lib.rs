@@ -1,6 +1,6 @@
 //! Checks of what the engine computes on a GPU, against formulas and numbers that were computed independently of it.
 //!
-//! A [`Check`] measures on the GPU, through [`windswept::ops`] and [`windswept::Simulation`], and returns a [`Row`] per
+//! A [`Check`] measures on the GPU, through [`windswept_engine::ops`] and [`windswept_engine::Simulation`], and returns a [`Row`] per
 //! claim. `windswept validate` prints the rows, `tests/formulas.rs` asserts them: each formula is written once. The
 //! expected values come from closed forms, from `windswept_reference::tables` or from the f64 reference; every row says
 //! which.
@@ -50,7 +50,7 @@ pub mod internals {
     };
 }
 
-use windswept::{Gpu, GpuError, RunError, ops::OpsError};
+use windswept_engine::{Gpu, GpuError, RunError, ops::OpsError};
 use windswept_scene::SceneError;
 
 /// Rows that are measured together.
@@ -138,7 +138,7 @@ pub enum Error {
     Scene(#[from] SceneError),
     /// A simulation that could not be made.
     #[error(transparent)]
-    Simulation(#[from] windswept::Error),
+    Simulation(#[from] windswept_engine::Error),
     /// The state that a check needs did not come about.
     #[error("{0}")]
     Missing(String),

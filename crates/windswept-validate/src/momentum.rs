@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use glam::DVec3;
-use windswept::{Gpu, RunError, Simulation};
+use windswept_engine::{Gpu, RunError, Simulation};
 use windswept_scene::{FluidSolver, InitialState, Scene};
 use windswept_shaders::common::integration::BDF2;
 

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 use glam::DVec3;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use windswept::Gpu;
+use windswept_engine::Gpu;
 use windswept_scene::{DirectFilter, Filter, Fluid, FluidSolver, InitialState, Scene};
 
 use crate::{

@@ -1,7 +1,7 @@
 //! Single passes on the GPU in f32 beside the reference's in f64 (windswept_reference).
 
 use glam::DVec3;
-use windswept::{Gpu, internals::step};
+use windswept_engine::{Gpu, internals::step};
 use windswept_reference::{self as reference, Parameters, fluid, neighbours, step::unobserved, turbulence, viscosity};
 use windswept_scene::{Band, DirectFilter, Filter, Fluid, FluidSolver, InitialState, Scene};
 

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::{DMat3, DQuat, DVec3};
-use windswept::{Gpu, HairFrame, Simulation};
+use windswept_engine::{Gpu, HairFrame, Simulation};
 use windswept_reference::tables;
 use windswept_scene::{InitialState, Scene};
 

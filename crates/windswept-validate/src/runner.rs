@@ -1,7 +1,7 @@
 //! Stages of a step on the engine and on its reference, from the same state.
 
 use glam::DVec3;
-use windswept::{
+use windswept_engine::{
     Gpu,
     internals::{self, Array, Engine, Plan, Recorder, Setup},
 };

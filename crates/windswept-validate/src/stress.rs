@@ -16,7 +16,7 @@ mod steps;
 mod winds;
 
 use glam::DVec3;
-use windswept::{Gpu, Report, RunError, Simulation};
+use windswept_engine::{Gpu, Report, RunError, Simulation};
 use windswept_scene::{Scene, Strands};
 
 pub use self::{

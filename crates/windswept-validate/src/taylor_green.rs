@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use glam::DVec3;
-use windswept::{Gpu, Simulation};
+use windswept_engine::{Gpu, Simulation};
 
 use crate::{
     Error, Row,

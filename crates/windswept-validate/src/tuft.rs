@@ -6,7 +6,7 @@
 //! `viscosity.smagorinsky`.
 
 use glam::DVec3;
-use windswept::{Gpu, Simulation};
+use windswept_engine::{Gpu, Simulation};
 use windswept_scene::{AirParticles, Filter, InitialState, Scene};
 
 use crate::{

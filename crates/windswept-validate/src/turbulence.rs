@@ -3,7 +3,7 @@
 use std::f64::consts::{E, SQRT_2, TAU};
 
 use glam::DVec3;
-use windswept::{
+use windswept_engine::{
     Gpu,
     internals::{Engine, Plan, Setup, step},
 };

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
-use windswept::Gpu;
+use windswept_engine::Gpu;
 use windswept_reference::{sph_kernels::poly6, tables};
 use windswept_scene::{End, Fibre, Groom, InitialState, Scene};
 

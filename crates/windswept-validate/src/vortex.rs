@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use glam::{DVec2, DVec3};
-use windswept::Gpu;
+use windswept_engine::Gpu;
 use windswept_scene::{Band, DirectFilter, Filter, Scene};
 
 use crate::{

@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
-use windswept::{Frame, Gpu, Simulation, internals::step};
+use windswept_engine::{Frame, Gpu, Simulation, internals::step};
 use windswept_scene::{Air, FluidSolver, Scene};
 use windswept_shaders::{common::pressure::Stress, fluid};
 

@@ -1,7 +1,7 @@
 //! Whole steps on the GPU in f32 beside the reference's in f64 (windswept_reference): hair, air and what drives them.
 
 use glam::DVec3;
-use windswept::Gpu;
+use windswept_engine::Gpu;
 use windswept_reference::{Parameters, State, fluid, step::step as reference_step};
 use windswept_scene::{InitialState, Scene};
 

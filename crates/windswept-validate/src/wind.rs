@@ -3,7 +3,7 @@
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use glam::{DQuat, DVec3};
-use windswept::{Gpu, internals::step};
+use windswept_engine::{Gpu, internals::step};
 use windswept_scene::{Air, InitialState, Scene};
 
 use crate::{

@@ -14,8 +14,8 @@
 //! * **Read.** [`Simulation::frame`] is the state as arrays, [`Simulation::report`] what ran, how fast and how well.
 //! * **Keep.** [`Simulation::save`] writes all that lasts from step to step into a file, [`Simulation::load`] goes on
 //!   from it with the same bits.
-//! * **Draw.** [`Simulation::buffers`] are the positions and frames on the GPU, to be drawn without a copy. Pictures
-//!   are made by the crate `windswept-export`.
+//! * **Draw.** [`export::Renderer`] draws pictures, and [`export::Recording`] writes films (feature `export`, on by
+//!   default). [`Simulation::buffers`] are the positions and frames on the GPU, to be drawn without a copy.
 //!
 //! ```
 //! use windswept::{Air, Gpu, Hair, Roots, Scene, Simulation, Time, Turbulence};
@@ -35,30 +35,7 @@
 //! ```
 //!
 //! [`ops`] runs single passes over arrays of the program's own. [`plan`] and [`buffers`] say what a step consists of,
-//! without a GPU. Inside the crate, `step.rs` reads as the step, top to bottom.
-
-mod aliasing;
-mod array;
-mod clusters;
-mod engine;
-mod error;
-mod frame;
-pub mod gpu;
-pub mod ops;
-mod plan;
-mod recorder;
-mod report;
-mod setup;
-mod simulation;
-mod slots;
-mod state;
-mod status;
-mod step;
-mod textures;
-mod upload;
-
-/// The crate whose vectors and quaternions this one takes.
-pub use glam;
+//! without a GPU.
 
 /// Parts of a scene, and a scene as it is checked.
 pub use windswept_scene::{
@@ -69,51 +46,10 @@ pub use windswept_scene::{
     Time, Turbulence, Up, Viscosity, ViscosityForm,
 };
 
-pub use engine::required_limits;
-pub use error::{CheckpointError, Error, GpuError, RunError};
-pub use frame::{AirFrame, Frame, HairFrame};
-pub use gpu::{AdapterChoice, AdapterInfo, Gpu, ShaderVariant, adapters, wanted_features};
-pub use plan::{BufferRow, MemoryBytes, PlanRow, Uses, buffers, memory_bytes, table as plan};
-pub use report::{BandEnergy, BodyReport, Counts, PassReport, Report, Reset, RunFailure, SkippedReport};
-pub use simulation::{Accelerations, Buffers, Checkpoint, Simulation};
-pub use status::warning_meaning;
+pub use windswept_engine::*;
 
-/// Parts that tests and `windswept validate` look at. They are no part of the interface and change without notice.
-#[doc(hidden)]
-pub mod internals {
-    use crate::{Gpu, ShaderVariant};
-    pub use crate::{
-        aliasing::Aliasing,
-        array::{AnyArray, Array, Index, Lifetime},
-        engine::Engine,
-        recorder::{Bindings, Command, Decision, Recorder, Recording},
-        setup::Setup,
-        slots::Slots,
-        state::{Sizes, State},
-        step::{Plan, turbulence::BandPlan},
-        upload::motion::Motions,
-    };
-    /// The device with other shaders in place of those of some passes, by the passes' names: to see a test fail.
-    #[must_use]
-    pub fn with_sources(gpu: &Gpu, sources: impl IntoIterator<Item = (&'static str, String)>) -> Gpu {
-        gpu.with_sources(sources)
-    }
-    /// The device with another variant of the passes, which it must be able to run: a software adapter runs all of
-    /// them.
-    #[must_use]
-    pub fn with_variant(gpu: &Gpu, variant: ShaderVariant) -> Gpu {
-        gpu.with_variant(variant)
-    }
-    /// The status word and the counters.
-    pub mod status {
-        pub use crate::status::*;
-    }
-    /// The neighbour list, read on the CPU.
-    pub mod clusters {
-        pub use crate::clusters::*;
-    }
-    /// The step's fragments.
-    pub mod step {
-        pub use crate::step::*;
-    }
+/// Pictures and films of frames: the crate `windswept-export`.
+#[cfg(feature = "export")]
+pub mod export {
+    pub use windswept_export::*;
 }

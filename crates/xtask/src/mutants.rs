@@ -52,9 +52,9 @@ const PARTS: &[Part] = &[
     },
     Part {
         name: "engine",
-        files: &["crates/windswept/src/**/*.rs"],
-        package: "windswept",
-        tested: &["windswept", "windswept-workspace"],
+        files: &["crates/windswept-engine/src/**/*.rs"],
+        package: "windswept-engine",
+        tested: &["windswept-engine", "windswept-workspace"],
         tests: &[
             "--lib",
             "--test=plan",

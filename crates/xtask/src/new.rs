@@ -44,7 +44,7 @@ fn places(kind: &str, name: &str) -> Result<Vec<Place>> {
 /// A pass of a stage: shader, line of the step, reference function, comparison.
 fn pass(name: &str) -> Result<Vec<Place>> {
     let (stage, pass) = named(name, '/', "STAGE/NAME")?;
-    let step = format!("crates/windswept/src/step/{stage}.rs");
+    let step = format!("crates/windswept-engine/src/step/{stage}.rs");
     if !root().join(&step).exists() {
         return Err(format!("{name}: no stage is called {stage}: {step} is not there"));
     }
@@ -126,7 +126,7 @@ fn {table}_{key}_does_what_it_says() {{
             text: format!("\n    {table}_{key}: f32,   // say what it is, with its unit"),
         },
         Place {
-            path: "crates/windswept/src/upload/params.rs".to_owned(),
+            path: "crates/windswept-engine/src/upload/params.rs".to_owned(),
             at: At::Inside("let mut params = Params {".to_owned(), "\n        ..Params::default()"),
             text: format!("\n        {table}_{key}: scene.{table}.{key} as f32,"),
         },
@@ -142,7 +142,7 @@ fn format(name: &str) -> Result<Vec<Place>> {
     let sink = format!(
         "//! Say what the files of format {name} hold, and who reads them.
 
-use windswept::Frame;
+use windswept_engine::Frame;
 
 use crate::error::ExportError;
 use crate::sink::{{FrameSink, Start}};

@@ -1,7 +1,7 @@
 //! Guides of a follower, the strands that it goes with, and their weights.
 
 use glam::Vec3;
-use windswept::HairFrame;
+use windswept_engine::HairFrame;
 
 use super::places::{NEIGHBOURS, Places, spaces};
 use super::points_of;

@@ -1,7 +1,7 @@
 //! One frame, reduced to what is measured of it.
 
 use glam::{DVec3, Vec3};
-use windswept::HairFrame;
+use windswept_engine::HairFrame;
 
 use super::nearest::nearest;
 use super::shape::{angle, at, directions, length, turning, turns, undulation};

@@ -332,7 +332,7 @@ fn other_strands_are_refused() {
 #[test]
 fn files_are_measured() {
     use crate::{Kind, Provenance, VtkHdfWriter};
-    use windswept::{AirFrame, Frame};
+    use windswept_engine::{AirFrame, Frame};
 
     let folder = tempfile::tempdir().unwrap();
     let provenance = Provenance { scene: "", version: "", adapter: "", seed: 1 };

@@ -1,7 +1,7 @@
 //! Which hairs are drawn, and how thick.
 
 use glam::Quat;
-use windswept::HairFrame;
+use windswept_engine::HairFrame;
 use windswept_scene::{CheckedScene, Curves};
 use windswept_shaders::pictures::grow::Hair;
 

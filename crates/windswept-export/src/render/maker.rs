@@ -1,7 +1,7 @@
 //! Shorthand for what wgpu wants spelt out.
 
 use bytemuck::Pod;
-use windswept::gpu::wgpu::{self, util::DeviceExt};
+use windswept_engine::gpu::wgpu::{self, util::DeviceExt};
 use windswept_shaders::Picture;
 
 use super::target::{COLOUR, DEPTH, SAMPLES};

@@ -1,8 +1,8 @@
 //! Buffers and pipelines of a picture, in the order in which they run.
 
 use glam::Quat;
-use windswept::gpu::wgpu::{self, BufferUsages};
-use windswept::{Frame, Gpu, GpuError, HairFrame};
+use windswept_engine::gpu::wgpu::{self, BufferUsages};
+use windswept_engine::{Frame, Gpu, GpuError, HairFrame};
 use windswept_scene::CheckedScene;
 use windswept_shaders::{
     common::dispatch::WORKGROUP,

@@ -3,8 +3,8 @@
 use std::sync::mpsc;
 
 use image::RgbaImage;
-use windswept::gpu::wgpu;
-use windswept::{Gpu, GpuError};
+use windswept_engine::gpu::wgpu;
+use windswept_engine::{Gpu, GpuError};
 use windswept_shaders::pictures::{AVERAGE, common::FINE};
 
 use super::maker::{Depth, Draw, Maker};

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use windswept::HairFrame;
+use windswept_engine::HairFrame;
 
 use crate::provenance::Provenance;
 

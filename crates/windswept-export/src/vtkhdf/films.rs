@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use windswept::Frame;
+use windswept_engine::Frame;
 use windswept_scene::CheckedScene;
 
 use super::{Continuation, Kind, VtkHdfWriter, arrays};

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use windswept::{AirFrame, Frame, HairFrame};
+use windswept_engine::{AirFrame, Frame, HairFrame};
 
 use super::file::{Array, Hdf5, Number, Result};
 use super::{BAND_ENERGY, Kind, VORTICITY};

@@ -4,7 +4,7 @@
 
 use std::path::Path;
 
-use windswept::{AirFrame, Frame, HairFrame};
+use windswept_engine::{AirFrame, Frame, HairFrame};
 use windswept_export::{Kind, Provenance, VtkHdfReader, VtkHdfWriter};
 
 pub(crate) const KINDS: [Kind; 2] = [Kind::Hair, Kind::Air];

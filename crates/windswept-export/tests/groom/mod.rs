@@ -4,7 +4,7 @@
 
 use glam::Vec3;
 use image::RgbaImage;
-use windswept::{AdapterChoice, Frame, Gpu, HairFrame};
+use windswept_engine::{AdapterChoice, Frame, Gpu, HairFrame};
 use windswept_export::{Renderer, image};
 use windswept_scene::{CheckedScene, Scene, Strands};
 

@@ -1,7 +1,7 @@
 //! Air that starts crowded or with a void: it spreads, and nothing is shot away.
 
 use glam::DVec3;
-use windswept::{Gpu, RunError, Simulation};
+use windswept_engine::{Gpu, RunError, Simulation};
 use windswept_scene::FluidSolver;
 
 use super::{Extent, watch};

@@ -1,6 +1,6 @@
 //! The same bits: twice, from a checkpoint, and whatever the size of a submit.
 
-use windswept::{Checkpoint, CheckpointError, Gpu, Simulation};
+use windswept_engine::{Checkpoint, CheckpointError, Gpu, Simulation};
 use windswept_scene::Scene;
 
 use super::{COUPLINGS, Extent, TUFT, has_air, scene};

@@ -1,6 +1,6 @@
 //! Dials turned far beyond their range: viscosity, confinement, bands, bodies.
 
-use windswept::{Gpu, Simulation};
+use windswept_engine::{Gpu, Simulation};
 
 use super::{COUPLINGS, Extent, TUFT, has_air, scene, watch};
 use crate::{

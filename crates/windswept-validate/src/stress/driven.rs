@@ -3,7 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use glam::{DQuat, DVec3};
-use windswept::{Gpu, Simulation};
+use windswept_engine::{Gpu, Simulation};
 use windswept_scene::CheckedShape;
 
 use super::{COUPLINGS, Extent, LENGTH, TUFT, USUAL, points, scene, stretch};

@@ -4,7 +4,7 @@
 use glam::DVec3;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use windswept::{Gpu, Simulation};
+use windswept_engine::{Gpu, Simulation};
 use windswept_scene::{Groom, InitialState};
 
 use super::{COUPLINGS, Extent, TUFT, USUAL, points, scene, stretch};

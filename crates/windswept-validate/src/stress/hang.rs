@@ -4,7 +4,7 @@
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::DVec3;
-use windswept::{Gpu, Simulation};
+use windswept_engine::{Gpu, Simulation};
 use windswept_scene::InitialState;
 
 use super::{COUPLINGS, Extent, Felt, USUAL, points, scene, stretch_of, watch};

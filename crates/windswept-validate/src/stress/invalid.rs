@@ -1,6 +1,6 @@
 //! A value in the buffers that is not finite, or absurd: its strand alone is reset.
 
-use windswept::{Gpu, Simulation};
+use windswept_engine::{Gpu, Simulation};
 use windswept_shaders::common::rod::INVALID;
 
 use super::{COUPLINGS, Extent, TUFT, USUAL, differing_bytes, points, reason, scene, stretch};

@@ -1,7 +1,7 @@
 //! A run of 100 000 steps: energy, density error, stretch and memory do not grow.
 
 use glam::DVec3;
-use windswept::{Gpu, Simulation};
+use windswept_engine::{Gpu, Simulation};
 
 use super::{COUPLINGS, Extent, TUFT, has_air, points, scene};
 use crate::{

@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use glam::DVec3;
-use windswept::{Gpu, Simulation};
+use windswept_engine::{Gpu, Simulation};
 use windswept_scene::{InitialState, Model};
 
 use super::{COUPLINGS, Extent, Felt, TUFT, scene, sweep_of_unsolved, undriven, watch};

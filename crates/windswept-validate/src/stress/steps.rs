@@ -1,7 +1,7 @@
 //! Steps of 0.1 to 33 ms: hair stays whole, and comes to rest in the same place.
 
 use glam::DVec3;
-use windswept::{Gpu, RunError, Simulation};
+use windswept_engine::{Gpu, RunError, Simulation};
 
 use super::{COUPLINGS, Extent, LENGTH, TUFT, points, scene, undriven, watch};
 use crate::{Error, Sweep, air::farthest};

@@ -1,7 +1,7 @@
 //! Winds up to three times the speed of sound, and winds that change all the time.
 
 use glam::DVec3;
-use windswept::{Gpu, Simulation};
+use windswept_engine::{Gpu, Simulation};
 
 use super::{COUPLINGS, Extent, TUFT, scene, sweep_of_unsolved, watch};
 use crate::{Error, Sweep};

@@ -119,7 +119,7 @@ struct Driven {
 /// A simulation that was saved, read and checked, and not yet on a GPU.
 ///
 /// ```no_run
-/// use windswept::{AdapterChoice, Checkpoint, Gpu};
+/// use windswept_engine::{AdapterChoice, Checkpoint, Gpu};
 ///
 /// let checkpoint = Checkpoint::open("now.windswept")?;
 /// println!("{}, saved on {}", checkpoint.scene().title, checkpoint.adapter());

@@ -1,13 +1,13 @@
 //! Single passes over arrays of the caller's own: the fragments and shaders of the step.
 //!
 //! ```no_run
-//! use windswept::{AdapterChoice, Gpu, ops::Particles};
+//! use windswept_engine::{AdapterChoice, Gpu, ops::Particles};
 //!
 //! let gpu = Gpu::new(&AdapterChoice::Best)?;
 //! let positions = vec![[0.0, 0.0, 0.0], [0.004, 0.0, 0.0]];
 //! let particles = Particles { bounds: Some([0.05, 0.03, 0.03]), ..Particles::at(&positions) };
 //! println!("{:?} kg/m³", particles.density(&gpu)?);
-//! # Ok::<(), windswept::ops::OpsError>(())
+//! # Ok::<(), windswept_engine::ops::OpsError>(())
 //! ```
 
 use glam::DVec3;

@@ -57,7 +57,7 @@ impl Simulation {
     /// [`Self::step_timed`], not by [`Self::encode_steps`].
     ///
     /// ```no_run
-    /// use windswept::{Accelerations, Simulation, glam::DVec3};
+    /// use windswept_engine::{Accelerations, Simulation, glam::DVec3};
     ///
     /// /// Draws hair to the plane x = 0, by 100 m/s² a metre.
     /// fn draw(simulation: &mut Simulation) {
