@@ -167,7 +167,7 @@ fn hair_that_cannot_go_round_a_body_is_warned_of() {
         let stretch = x.windows(2).map(|w| (w[0].distance(w[1]) / 0.005 - 1.0).abs()).fold(0.0, f64::max);
         println!("{keys:?}: stretch {stretch:.4}");
         let deep = deepest_place(&simulation, 17);
-        let unsolved = simulation.warnings().get("unsolved_steps").copied().unwrap_or_default();
+        let unsolved = support::warned(&simulation.warnings(), "unsolved_steps");
         println!("deep {deep:.1e} m, {unsolved} unsolved steps");
         // Of 150: measured 3 and 129. A ball 25 mm beyond the line needs a stretch of more than 0.15.
         assert!(stretch < 0.011, "{keys:?}: stretch {stretch}");
@@ -429,7 +429,7 @@ fn steps_too_long_for_a_body_are_counted() {
         let sets = ["air.box.max=[0.16,0.09,0.03]", cylinder, &format!("time.substeps={substeps}")];
         let mut simulation = simulation(PASSED, &sets);
         simulation.step(80).unwrap();
-        simulation.warnings().get("air_beside_bodies").copied().unwrap_or_default()
+        support::warned(&simulation.warnings(), "air_beside_bodies")
     });
     println!("{counted:?} steps");
     // Measured 53 and 0.

@@ -404,7 +404,7 @@ fn life_of_strands(gpu: &Gpu, scene: &Scene) -> Vec<(Counts, Frame)> {
         sim.step(steps).unwrap();
         let report = sim.report().unwrap();
         let strand_steps = report.strand_steps.unwrap();
-        let resets = report.warnings.get("strand_reset").copied().unwrap_or_default();
+        let resets = support::warned(&report.warnings, "strand_reset");
         let counts = Counts { sleeping: strand_steps["sleeping_steps"], teleports: strand_steps["teleports"], resets };
         told.push((counts, sim.frame().unwrap()));
     };

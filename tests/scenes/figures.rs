@@ -43,7 +43,7 @@ fn figures_have_the_papers_parameters() {
             assert_eq!(drawn.points, points, "{file}");
             assert_eq!(scene.air.as_ref().unwrap().wind, [3.0, 0.0, 0.0], "{file}");
             assert!(
-                !initial.warnings.iter().any(|warning| strands == 550 && warning.contains("outside the box")),
+                !initial.warnings.iter().any(|warning| strands == 550 && warning.code == "starts_outside_box"),
                 "{file}"
             );
             assert_eq!(drawn.curl.is_some(), name == "fig4", "{file}");

@@ -297,9 +297,9 @@ fn hair_outside_the_box_is_counted_after_a_while() {
     }
     let (_, simulation) = run(&windy(), &initial, &[100]);
     // 0.1 s are 72.5 steps: the 73rd is the first that counts.
-    assert_eq!(simulation.warnings().get("hair_outside_box"), Some(&28), "{:?}", simulation.warnings());
+    assert_eq!(support::warned(&simulation.warnings(), "hair_outside_box"), 28, "{:?}", simulation.warnings());
     let (_, inside) = run(&windy(), &brush(2), &[100]);
-    assert_eq!(inside.warnings().get("hair_outside_box"), None);
+    assert_eq!(support::warned(&inside.warnings(), "hair_outside_box"), 0);
 }
 
 /// Pressure starts anew where the caller puts air or hair: uniform air in place of stirred air stays uniform, and hair

@@ -225,3 +225,8 @@ pub fn air(size: DVec3, positions: Vec<DVec3>) -> InitialState {
 pub fn lattice(cells: [usize; 3], basis: &[[f64; 3]]) -> InitialState {
     Cloud::lattice(cells, basis).initial()
 }
+
+/// How often a warning of this code acted in a run.
+pub fn warned(warnings: &[Warning], code: &str) -> u64 {
+    warnings.iter().filter(|warning| warning.code == code).map(|warning| warning.count).sum()
+}

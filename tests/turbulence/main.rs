@@ -194,7 +194,7 @@ fn bands_that_do_not_fit_are_named() {
     };
     assert!(scale == 1e-3 && nodes(1.02 * fits) <= most as f64 && nodes(0.98 * fits) > most as f64, "{fits} m");
     let warned = |scale: f64| {
-        InitialState::new(&scene(scale)).unwrap().warnings.iter().any(|warning| warning.contains("can carry"))
+        InitialState::new(&scene(scale)).unwrap().warnings.iter().any(|warning| warning.code == "small_eddies")
     };
     // 41 x 21 x 21 particles.
     let spacing = (0.2 * 0.1 * 0.1 / f64::from(41 * 21 * 21)).cbrt();

@@ -47,10 +47,8 @@ pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(),
         );
     }
     // The scene's own warnings were given at the start.
-    let given = &simulation.initial().warnings;
-    for (cause, count) in report.warnings.iter().filter(|(cause, _)| !given.contains(cause)) {
-        let meaning = windswept::warning_meaning(cause).map(|meaning| format!(" ({meaning})")).unwrap_or_default();
-        console.warn(format_args!("{cause}: {count}{meaning}"));
+    for warning in report.warnings.iter().filter(|warning| warning.count > 0) {
+        console.warn(warning);
     }
     let frames = if notes.formats.is_empty() { String::new() } else { counted_frames(run.next_frame()) + ", " };
     let done = format!(

@@ -32,7 +32,6 @@ pub use gpu::{AdapterChoice, AdapterInfo, Gpu, ShaderVariant, adapters, wanted_f
 pub use plan::{BufferRow, MemoryBytes, PlanRow, Uses, buffers, memory_bytes, table as plan};
 pub use report::{BandEnergy, BodyReport, Counts, PassReport, Report, Reset, RunFailure, SkippedReport};
 pub use simulation::{Accelerations, Buffers, Checkpoint, Simulation};
-pub use status::warning_meaning;
 
 /// Parts that tests and `windswept validate` look at. They are no part of the interface and change without notice.
 #[doc(hidden)]

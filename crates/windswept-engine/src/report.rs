@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
+use windswept_scene::Warning;
 
 use crate::{
     error::six_digits,
@@ -87,8 +88,8 @@ pub struct Report {
     /// Strands and air that were reset in the run, with the times; the first thousand. Left out where there were none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub resets: Vec<Reset>,
-    /// Warnings: how often each cause acted.
-    pub warnings: BTreeMap<String, u64>,
+    /// Warnings: those about the scene, and those whose cause acted in the run, with how often.
+    pub warnings: Vec<Warning>,
 }
 
 /// The end of a run that could not go on; all else in its report is of the state before that.

@@ -2,12 +2,13 @@
 
 use std::collections::BTreeMap;
 
+use windswept_scene::Warning;
 use windswept_shaders::common::status::{
     AIR_BESIDE, BY_RESET, BY_UPDATE, CONFINEMENT_LIMITED, EULER_STEP, EXCHANGE_LIMITED, HAIR_OUTSIDE, OVER_STRAINED,
     SLEEPING_STEP, STRAND_RESET, Status, TELEPORT, UNSOLVED_STEP,
 };
 
-/// Counters of what a user should know: keys of the report's `warnings`, and what each counts.
+/// Counters of what a user should know: codes of the report's `warnings`, and what each counts.
 const WARNINGS: [(u32, &str, &str); 6] = [
     (STRAND_RESET, "strand_reset", "times that a strand was not finite and was put into its rest shape"),
     (OVER_STRAINED, "over_strained", "strands of which a segment was 5 % too long or too short for 50 steps on end"),
@@ -36,13 +37,15 @@ const WARNINGS: [(u32, &str, &str); 6] = [
          larger time.substeps follows these bodies",
     ),
 ];
-/// Key of the strand steps that the direct solver did not solve, and what is said of many.
-pub(crate) const UNSOLVED: (&str, &str) = (
+/// Key of the strand steps that the direct solver did not solve, and the words of a warning of many.
+const UNSOLVED: (&str, &str) = (
     "unsolved_steps",
     "steps of strands that had not settled after rods.newton Newton steps, more than one in a hundred of all: these \
     strands lag behind; a \
      shorter time.step follows this wind or these roots",
 );
+/// Strand steps of which one may go unsolved unmentioned: such a strand lags behind.
+const FEW: u64 = 100;
 /// Counters of how strands were stepped; keys of the report's `strand_steps`.
 const STRAND_STEPS: [(u32, &str); 4] = [
     (EULER_STEP, "euler_steps"),
@@ -101,34 +104,24 @@ pub fn max_stretch(status: &Status) -> f32 {
     f32::from_bits(status.max_stretch)
 }
 
-/// How often each cause for a warning acted; causes that never acted are left out.
+/// A warning for each cause that acted in a run of so many strand steps.
 #[must_use]
-pub fn warnings(status: &Status) -> BTreeMap<String, u64> {
-    named(status, WARNINGS.iter().map(|(counter, key, _)| (*counter, *key))).filter(|(_, count)| *count > 0).collect()
+pub fn warnings(status: &Status, strand_steps: u64) -> Vec<Warning> {
+    let counted = |counter: u32| u64::from(status.counted[counter as usize]);
+    let unsolved = Some(counted(UNSOLVED_STEP)).filter(|unsolved| unsolved * FEW > strand_steps).unwrap_or_default();
+    let rows = WARNINGS.iter().map(|(counter, code, text)| (counted(*counter), *code, *text));
+    let rows = rows.chain([(unsolved, UNSOLVED.0, UNSOLVED.1)]).filter(|(count, ..)| *count > 0);
+    rows.map(|(count, code, text)| Warning { count, ..Warning::new(code, "", text) }).collect()
 }
 
 /// How many steps of strands went otherwise than by a solve of the integrator asked for, by how; 2³² − 1 at most.
 #[must_use]
 pub fn strand_steps(status: &Status) -> BTreeMap<String, u64> {
-    named(status, STRAND_STEPS).collect()
+    STRAND_STEPS.iter().map(|(counter, key)| ((*key).to_owned(), status.counted[*counter as usize].into())).collect()
 }
 
 /// Steps in which the limit of the confinement acted on some particle; 2³² − 1 at most.
 #[must_use]
 pub fn confinement_limited_steps(status: &Status) -> u64 {
     status.counted[CONFINEMENT_LIMITED as usize].into()
-}
-
-/// Meaning of a key of the report's `warnings`, for people; `None` of another key.
-#[must_use]
-pub fn warning_meaning(key: &str) -> Option<&'static str> {
-    let rows = WARNINGS.iter().map(|(_, name, meaning)| (*name, *meaning)).chain([UNSOLVED]);
-    rows.into_iter().find(|(name, _)| *name == key).map(|(_, meaning)| meaning)
-}
-
-fn named(
-    status: &Status,
-    counters: impl IntoIterator<Item = (u32, &'static str)>,
-) -> impl Iterator<Item = (String, u64)> {
-    counters.into_iter().map(|(counter, key)| (key.to_owned(), status.counted[counter as usize].into()))
 }

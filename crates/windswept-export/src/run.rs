@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use windswept_engine::{Frame, RunError, Simulation};
-use windswept_scene::{AirPicture, Time};
+use windswept_scene::{AirPicture, Time, Warning};
 
 use crate::error::ExportError;
 use crate::formats::{FORMATS, Format};
@@ -65,12 +65,12 @@ impl Schedule {
 
     /// Warning that a step is longer than the time between two frames asked for, if it is.
     #[must_use]
-    pub fn warning(time: &Time) -> Option<String> {
+    pub fn warning(time: &Time) -> Option<Warning> {
         (time.frame_rate * time.step > 1.0).then(|| {
-            format!(
-                "time.frame_rate = {} asks for more frames than there are steps of {} s: one frame per step",
-                time.frame_rate, time.step
-            )
+            let Time { frame_rate, step, .. } = time;
+            let text =
+                format!("{frame_rate} asks for more frames than there are steps of {step} s: one frame per step");
+            Warning::new("few_steps", "time.frame_rate", text)
         })
     }
 }

@@ -105,7 +105,7 @@ impl Simulation {
             None => windswept::Simulation::new(&gpu, &scene.inner),
         })?;
         let made = made.map_err(|error| of_start(py, &error))?;
-        warn(py, made.initial().warnings.iter().cloned())?;
+        warn(py, &made.initial().warnings)?;
         Ok(Self::of(made))
     }
 

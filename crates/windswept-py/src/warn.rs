@@ -10,10 +10,10 @@ use crate::errors::of_value;
 ///
 /// # Errors
 /// The exception that a filter makes of a warning where it is to be an error.
-pub(crate) fn warn(py: Python<'_>, notes: impl IntoIterator<Item = String>) -> PyResult<()> {
+pub(crate) fn warn(py: Python<'_>, notes: impl IntoIterator<Item = impl ToString>) -> PyResult<()> {
     let user = py.get_type::<PyUserWarning>();
     for note in notes {
-        let note = CString::new(note).map_err(|error| of_value("warning", error))?;
+        let note = CString::new(note.to_string()).map_err(|error| of_value("warning", error))?;
         PyErr::warn(py, &user, &note, 1)?;
     }
     Ok(())

@@ -6,7 +6,7 @@ mod support;
 use glam::DVec3;
 use support::apart;
 use windswept_reference::{Parameters, State, step::step};
-use windswept_scene::{Fibre, Groom, InitialState, Moduli, RestShape, Scene, Stiffness};
+use windswept_scene::{Fibre, Groom, InitialState, Moduli, RestShape, Scene, Stiffness, Warning};
 
 const LENGTH: f64 = 0.15;
 const SEGMENTS: u32 = 30;
@@ -22,7 +22,7 @@ fn strand(direction: impl Fn(f64) -> DVec3) -> Vec<[f64; 3]> {
 }
 
 /// Farthest that a point of a strand of γ = ρAgL³/EI goes in 10 s \[lengths\], awake, undamped, and what was warned of.
-fn drift(points: &[[f64; 3]], gamma: f64, rest: RestShape) -> (f64, Vec<String>) {
+fn drift(points: &[[f64; 3]], gamma: f64, rest: RestShape) -> (f64, Vec<Warning>) {
     let keys = "interaction.model = \"none\"\nrods = { sleep = false }\ntime = { step = 1.38e-3, duration = 10 }";
     let scene = Scene::parse(keys).unwrap().check().unwrap();
     let radius = 4e-5;
@@ -73,9 +73,9 @@ fn a_strand_that_does_not_stay_is_warned_of() {
     let level = strand(|_| DVec3::X);
     let (farthest, warnings) = drift(&level, 50.0, RestShape::Hanging);
     assert!(
-        farthest > 0.1 && warnings.iter().any(|warning| warning.contains("the least push")),
+        farthest > 0.1 && warnings.iter().any(|warning| warning.text.contains("the least push")),
         "{farthest} {warnings:?}"
     );
     let (_, warnings) = drift(&level, 1000.0, RestShape::Hanging);
-    assert!(warnings.iter().any(|warning| warning.contains("too soft to hang")), "{warnings:?}");
+    assert!(warnings.iter().any(|warning| warning.text.contains("too soft to hang")), "{warnings:?}");
 }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use crate::{
     scene::{Model, SceneValues},
     strands::Strands,
+    warnings::Warning,
 };
 
 /// Least mass that a point or a segment moves with where hair is in one fluid with air, of that of the air whose room
@@ -21,7 +22,7 @@ impl Strands {
     /// strands that carries more than before.
     ///
     /// [`InitialState::new`](crate::InitialState::new) and the engine, where it starts from a caller's arrays, do so.
-    pub fn add_air_mass(&mut self, scene: &SceneValues) -> Vec<String> {
+    pub fn add_air_mass(&mut self, scene: &SceneValues) -> Vec<Warning> {
         let air = scene.air.as_ref().filter(|_| scene.interaction.model == Model::Particles);
         let Some(density) = air.map(|air| LIGHTEST * air.rest_density) else { return Vec::new() };
         let segments: Vec<_> = (0..self.len()).flat_map(|s| self.segments(s).zip(self.points(s))).collect();
@@ -46,10 +47,11 @@ impl Strands {
             }
         }
         let warning = |(origin, [few, all]): (String, [usize; 2])| {
-            format!(
-                "{few} of the {all} points of {origin} are lighter than a tenth of the air whose room they take, and move with that \
-                 mass: interaction.model = \"two-way\" takes hair of any mass as it is"
-            )
+            let text = format!(
+                "{few} of the {all} points are lighter than a tenth of the air whose room they take, and move with that mass: \
+                 interaction.model = \"two-way\" takes hair of any mass as it is"
+            );
+            Warning::new("light_hair", &origin, text)
         };
         light.into_iter().filter(|(_, [few, _])| *few > 0).map(warning).collect()
     }

@@ -174,7 +174,7 @@ fn is_rooted(file: &str) -> bool {
 }
 
 /// The value as what the key takes; `None` for another type or a value out of range.
-fn datum(kind: Kind, value: &Value) -> Option<Datum> {
+pub(crate) fn datum(kind: Kind, value: &Value) -> Option<Datum> {
     let vector = |value: &Value| {
         let values: Vec<f64> = value.as_array()?.iter().map(number).collect::<Option<_>>()?;
         <[f64; 3]>::try_from(values).ok()

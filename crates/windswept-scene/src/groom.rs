@@ -13,6 +13,7 @@ use crate::{
     scene::{CLAMPED_TIP, FRICTION, Fibre, SceneValues, Solver},
     strand::{AirParticle, Shape, frame, turn, turned_onto},
     strands::{End, Strands},
+    warnings::Warning,
 };
 
 /// Points nearer to each other than this part of their strand's length are one.
@@ -398,7 +399,7 @@ impl Groom {
         &self,
         scene: &SceneValues,
         particle: AirParticle,
-        warnings: &mut Vec<String>,
+        warnings: &mut Vec<Warning>,
     ) -> Result<Strands, SceneError> {
         self.check()?;
         let clamped = self.simulated().any(|s| self.tip.get(s) == End::Clamped);
@@ -406,7 +407,7 @@ impl Groom {
             return Err(fault("tip", CLAMPED_TIP.to_owned()));
         }
         let mut all = Strands { point_offsets: vec![0], ..Strands::default() };
-        warnings.extend(self.append(scene, particle, &mut all).iter().map(|what| format!("groom: {what}")));
+        warnings.extend(self.append(scene, particle, &mut all).iter().map(|note| Warning::new("groom", "groom", note)));
         Ok(all)
     }
 

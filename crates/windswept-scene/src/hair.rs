@@ -16,6 +16,7 @@ use crate::{
     scene::{Curl, Drawn, Fibre, GroomFile, Hair, HairSource, RootPatch, RootShape, Roots, SceneValues},
     strand::{AirParticle, Shape, frame, turn},
     strands::{End, Strands},
+    warnings::Warning,
 };
 
 /// Turns between successive points of a sunflower.
@@ -35,7 +36,7 @@ const COARSE_TURN: f64 = PI / 2.0;
 pub(crate) fn strands(
     scene: &SceneValues,
     particle: AirParticle,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Warning>,
 ) -> Result<Strands, SceneError> {
     let mut all = Strands { point_offsets: vec![0], ..Strands::default() };
     for (group, hair) in scene.hair.iter().enumerate() {
@@ -50,7 +51,7 @@ pub(crate) fn strands(
                     return Err(SceneError::new(words).at(format!("hair.{group}.strands"), None));
                 }
                 let notes = groom.append(scene, particle, &mut all);
-                warnings.extend(notes.iter().map(|note| format!("{}: {note}", scene.called(group))));
+                warnings.extend(notes.iter().map(|note| Warning::new("groom", &scene.called(group), note)));
             }
         }
     }
@@ -74,10 +75,10 @@ fn groom(
     group: usize,
     hair: &Hair,
     file: &GroomFile,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Warning>,
 ) -> Result<Groom, SceneError> {
     let (read, notes) = file.groom(hair.seed.unwrap_or(scene.seed))?;
-    warnings.extend(notes.into_iter().map(|note| format!("{}: {note}", scene.called(group))));
+    warnings.extend(notes.iter().map(|note| Warning::new("groom", &scene.called(group), note)));
     let fibre = match read.fibre {
         PerStrand::All(_) => hair.fibre.into(),
         PerStrand::Each(fibres) => {
@@ -134,7 +135,7 @@ fn draw(
     drawn: &Drawn,
     particle: AirParticle,
     all: &mut Strands,
-    warnings: &mut Vec<String>,
+    warnings: &mut Vec<Warning>,
 ) -> Result<(), SceneError> {
     let seed = hair.seed.unwrap_or(scene.seed);
     let mut rng = Pcg64::seed_from_u64(seed.wrapping_mul(0x9e37_79b9).wrapping_add(group as u64));
@@ -171,11 +172,9 @@ fn draw(
     }
     let turn = darboux(drawn.curl).length() * drawn.length / f64::from(drawn.points - 1);
     if turn > COARSE_TURN {
-        warnings.push(format!(
-            "{}: the curl turns by {:.0} degrees per segment; more points would follow it better",
-            scene.called(group),
-            turn.to_degrees()
-        ));
+        let degrees = turn.to_degrees();
+        let text = format!("the curl turns by {degrees:.0} degrees per segment; more points would follow it better");
+        warnings.push(Warning::new("few_points", &scene.called(group), text));
     }
     Ok(())
 }

@@ -15,7 +15,7 @@ use crate::{
     scene::{Air, AsChecked, CheckedScene, Model, SceneValues},
     strand::AirParticle,
     strands::{Ends, Strands},
-    warnings,
+    warnings::{self, Warning},
 };
 
 /// Everything a run starts from.
@@ -30,8 +30,8 @@ pub struct InitialState {
     pub followers: Option<Curves>,
     /// The air particles.
     pub air: AirParticles,
-    /// Warnings for the user, counted by cause.
-    pub warnings: Vec<String>,
+    /// Warnings about the scene.
+    pub warnings: Vec<Warning>,
 }
 
 /// Air particles, in the order of their stable ids.
@@ -126,11 +126,11 @@ impl InitialState {
         Ok(Self { followers: groom.followers()?, ..state })
     }
 
-    fn with_hair(scene: &CheckedScene, hair: Strands, warnings: Vec<String>) -> Result<Self, SceneError> {
+    fn with_hair(scene: &CheckedScene, hair: Strands, warnings: Vec<Warning>) -> Result<Self, SceneError> {
         Self::filled(scene, hair, warnings).map_err(|error| scene.scene().located(error))
     }
 
-    fn filled(scene: &CheckedScene, mut hair: Strands, mut warnings: Vec<String>) -> Result<Self, SceneError> {
+    fn filled(scene: &CheckedScene, mut hair: Strands, mut warnings: Vec<Warning>) -> Result<Self, SceneError> {
         if hair.ends.iter().all(|ends| *ends == Ends::default()) {
             hair.ends.clear();
         }
@@ -142,9 +142,8 @@ impl InitialState {
         warnings.extend(hair.add_air_mass(scene));
         let bodies: Vec<CheckedShape> = scene.bodies.iter().map(|body| body.at(0.0)).collect();
         rooted_outside(scene, &hair, &bodies)?;
-        warnings.extend(warnings::of_idle(scene));
+        warnings.extend(warnings::of_unread(scene, &hair));
         warnings.extend(warnings::of_place(&hair));
-        warnings.extend(warnings::of_friction(scene, &hair));
         warnings.extend(warnings::of_bodies(&hair, &bodies));
         warnings.extend(warnings::of_meshes(scene));
         let filled = scene.filled();

@@ -59,4 +59,5 @@ pub use schema::schema;
 pub use solid::{MeshFile, Solid};
 pub use strands::{End, Ends, Strands};
 pub use triangles::{DistanceGrid, Part, Triangles};
+pub use warnings::Warning;
 pub use wind::InflowWave;

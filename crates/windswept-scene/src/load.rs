@@ -9,14 +9,14 @@ use std::{
 
 use crate::{
     assign,
-    declare::Keys,
-    document::Document,
+    declare::{Keys, join},
+    document::{Datum, Document, Entry, datum},
     error::SceneError,
     faults::Faults,
     keys::{self, Key},
     limits::LARGEST_SCENE_FILE,
     reader::Reader,
-    scene::{CheckedScene, Hair, SEED, Scene, SceneValues, Source, Time},
+    scene::{CheckedScene, Hair, Method, SEED, Scene, SceneValues, Source, Time},
 };
 
 impl Scene {
@@ -153,11 +153,49 @@ impl Scene {
 
     /// The error of a scene in code, whose key is a real path (`hair.0.file`), with the key by name (`hair.file`).
     fn called_by_name(&self, error: SceneError) -> SceneError {
-        let group = |key: &str| key.strip_prefix("hair.")?.split('.').next()?.parse().ok();
-        match error.key().and_then(group) {
-            Some(group) => error.renamed(&format!("hair.{group}"), &self.called(group)).unwrap_or(error),
-            None => error,
+        let (key, span) = (error.key().map(|key| self.by_name(key)), error.span());
+        if let Some(key) = key { error.at(key, span) } else { error }
+    }
+
+    /// A real path (`hair.0.strands`, `body.1.radius`) with names in place of indices: `hair.strands`, `body.ball.radius`.
+    pub(crate) fn by_name(&self, path: &str) -> String {
+        let named = || {
+            let (table, rest) = path.split_once('.')?;
+            let (index, rest) = rest.split_once('.').unwrap_or((rest, ""));
+            let index: usize = index.parse().ok()?;
+            let name = match table {
+                "hair" => return Some(join(&self.called(index), rest)),
+                "body" => &self.bodies.get(index)?.name,
+                "force" => &self.forces.get(index)?.name,
+                _ => return None,
+            };
+            Some(join(&format!("{table}.{name}"), rest))
+        };
+        named().unwrap_or_else(|| path.to_owned())
+    }
+
+    /// Real paths of the keys that the scene gives: those that its text spells, else those that have another value than
+    /// their default.
+    pub(crate) fn given(&self) -> Vec<String> {
+        let entries = |text: &str| Document::parse(text, None, &Faults::default()).unwrap_or_default().entries;
+        let is_leaf = |entry: &Entry| !matches!(entry.datum, Datum::Tables(_));
+        if self.is_as_read() {
+            return entries(self.text())
+                .into_iter()
+                .filter(|(_, entry)| is_leaf(entry))
+                .map(|(path, _)| path)
+                .collect();
         }
+        let is_default = |path: &str, entry: &Entry| {
+            let names: Vec<&str> = path.split('.').filter(|name| name.parse::<usize>().is_err()).collect();
+            let key = Key::find(&names.join("."))?;
+            let default = key.default_of(self.method == Method::Accurate)?.parse().ok()?;
+            Some(datum(key.kind, &default)? == entry.datum)
+        };
+        let all = entries(&self.to_toml()).into_iter();
+        all.filter(|(path, entry)| is_leaf(entry) && is_default(path, entry) != Some(true))
+            .map(|(path, _)| path)
+            .collect()
     }
 
     /// An error that was found after the scene was checked, with the file and the line that spell its key, or the

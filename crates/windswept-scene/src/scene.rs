@@ -37,7 +37,7 @@ use crate::{
     scatter::area,
     solid::Solid,
     strands::End,
-    warnings,
+    warnings::{self, Warning},
     write::Writer,
 };
 
@@ -363,7 +363,7 @@ impl SceneValues {
     /// A warning where the mean wind and a force field carry air farther in a step of `time.substeps` substeps than its
     /// pressure keeps up with; `None` where it does not, or without air.
     #[must_use]
-    pub fn why_too_fast(&self) -> Option<String> {
+    pub fn why_too_fast(&self) -> Option<Warning> {
         warnings::of_wind(self, self.air.as_ref()?)
     }
 

@@ -1,14 +1,18 @@
 //! Warnings of scenes that are valid, but may not do what their user expects.
 
+use std::fmt;
+
 use glam::DVec3;
+use serde::{Deserialize, Serialize};
 
 use crate::{
     body::{CheckedShape, blocked},
     box_fit,
+    error::spelled,
     force::ForceField,
     initial::AirParticles,
     limits::MAX_REPEATS,
-    scene::{Bounds, CheckedAir, CheckedScene, FRICTION, FluidSolver, Law, Model, SceneValues},
+    scene::{Bounds, CheckedAir, CheckedScene, FluidSolver, Hair, Law, Model, SceneValues, Solver},
     solid,
     strands::Strands,
     units::with_scale,
@@ -48,47 +52,179 @@ const WAY: f64 = 0.9;
 /// (`docs/decisions/air.md`).
 const WEAK: f64 = 0.3;
 
+/// A warning: a scene is valid, or a run goes on, but it may not do what its user expects.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Warning {
+    /// Kind of the warning, for programs: `unread_key`, `strand_reset`.
+    pub code: String,
+    /// Key or table of the scene that it is about; empty where it is about none.
+    pub key: String,
+    /// The warning in words.
+    pub text: String,
+    /// How often its cause acted in the run; 0 for a warning about the scene.
+    pub count: u64,
+}
+
+impl Warning {
+    /// A warning about the scene. It may quote names of a stranger's file: control characters in them are spelled.
+    pub fn new(code: &str, key: &str, text: impl AsRef<str>) -> Self {
+        let [key, text] = [key, text.as_ref()].map(|words| spelled(words).into_owned());
+        Self { code: code.to_owned(), key, text, count: 0 }
+    }
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { code, key, text, count } = self;
+        match (key.is_empty(), count) {
+            (_, 1..) => write!(f, "{code}: {count} ({text})"),
+            (true, 0) => write!(f, "{text}"),
+            (false, 0) => write!(f, "{key}: {text}"),
+        }
+    }
+}
+
+/// A key that a scene gives, and what decides whether it is read.
+struct Given<'a> {
+    scene: &'a CheckedScene,
+    hair: &'a Strands,
+    /// The group of strands that has the key.
+    group: Option<&'a Hair>,
+}
+
+/// Reason why nothing reads a key; `None` where something does.
+type Unread = fn(&Given<'_>) -> Option<&'static str>;
+
+/// Tables and keys that some scenes do not read. Of several rows for a key the first that holds counts.
+const UNREAD: &[(&[&str], Unread)] = &[
+    (&["air", "force", "interaction.lift", "fluid", "turbulence", "viscosity"], |given| {
+        (given.scene.interaction.model == Model::None).then_some("interaction.model is none: hair alone")
+    }),
+    (
+        &[
+            "air.box",
+            "air.margin",
+            "air.particle_mass",
+            "air.kernel_radius",
+            "air.fringe",
+            "air.jitter",
+            "air.seed",
+            "air.inflow",
+            "air.skin_friction",
+            "fluid",
+            "turbulence",
+            "viscosity",
+        ],
+        |given| (!given.scene.interaction.model.has_air()).then_some("interaction.model is drag: no air particles"),
+    ),
+    (
+        &["gravity", "rods", "interaction.lift", "viscosity.hair", "viscosity.kinematic_hair", "body.friction"],
+        |given| given.hair.is_empty().then_some("the scene has no hair"),
+    ),
+    (&["air.skin_friction"], |given| given.scene.bodies.is_empty().then_some("the scene has no bodies")),
+    (&["fluid.pressure_iterations", "fluid.coarse", "air.skin_friction"], |given| {
+        (given.scene.fluid.solver == FluidSolver::Pbf).then_some("fluid.solver is pbf")
+    }),
+    (&["fluid.coarse"], |given| given.scene.why_no_coarse().filter(|_| given.scene.fluid.coarse)),
+    (&["fluid.iterations", "fluid.relaxation"], |given| {
+        let pressure_alone = given.scene.fluid.solver == FluidSolver::Divergence;
+        let one_fluid = given.scene.interaction.model == Model::Particles;
+        (pressure_alone && one_fluid).then_some("a pressure acts on hair as on air")
+    }),
+    (&["fluid.relaxation"], |given| (given.scene.fluid.iterations == 0).then_some("fluid.iterations is 0")),
+    (&["air.fringe", "air.ramp", "air.inflow"], |given| {
+        given.scene.air.as_ref().is_some_and(CheckedAir::is_still).then_some("air.wind is zero")
+    }),
+    (&["turbulence"], |given| given.scene.turbulence.bands.is_empty().then_some("there is no band of eddies")),
+    (&["turbulence.speed", "turbulence.bands.intensity"], |given| {
+        (given.scene.turbulence.law == Law::Published).then_some("turbulence.law is published, which has no speed")
+    }),
+    (&["viscosity.form"], |given| (!given.scene.viscosity.acts()).then_some("nothing is viscous")),
+    (&["rods.iterations"], |given| (given.scene.rods.solver == Solver::Direct).then_some("rods.solver is direct")),
+    (&["rods.newton"], |given| {
+        (given.scene.rods.solver == Solver::GaussSeidel).then_some("rods.solver is gauss-seidel")
+    }),
+    (&["hair.density"], |given| given.group?.fibre.point_mass.map(|_| "hair.point_mass gives the mass")),
+    (&["hair.curl_phase"], |given| given.group?.as_drawn()?.curl.is_none().then_some("the strands have no curl")),
+    (&["hair.friction"], |given| given.scene.why_no_friction().filter(|_| given.group.is_some())),
+];
+
+/// A warning for each key or table that the scene gives and nothing reads.
+pub(crate) fn of_unread(scene: &CheckedScene, hair: &Strands) -> Vec<Warning> {
+    let mut warnings: Vec<Warning> = Vec::new();
+    for path in scene.scene().given() {
+        let group =
+            path.strip_prefix("hair.").and_then(|rest| scene.hair.get(rest.split('.').next()?.parse::<usize>().ok()?));
+        let given = Given { scene, hair, group };
+        let row = |(keys, why): &(&[&str], Unread)| {
+            let table = keys.iter().find_map(|key| start_of(&path, key))?;
+            Some((table, why(&given)?))
+        };
+        let Some((table, why)) = UNREAD.iter().find_map(row) else { continue };
+        let key = scene.scene().by_name(table);
+        if !warnings.iter().any(|warning| warning.key == key) {
+            warnings.push(Warning::new("unread_key", &key, format!("does nothing: {why}")));
+        }
+    }
+    warnings
+}
+
+/// The start of a real path (`force.0.strength`) that is the table or key of this name, with its index (`force.0`).
+fn start_of<'a>(path: &'a str, key: &str) -> Option<&'a str> {
+    let (mut end, mut names) = (0, key.split('.').peekable());
+    for part in path.split('.') {
+        let is_index = part.parse::<usize>().is_ok();
+        match names.peek() {
+            _ if is_index => {}
+            Some(name) if *name == part => _ = names.next(),
+            Some(_) => return None,
+            None => break,
+        }
+        end += part.len() + 1;
+    }
+    names.peek().is_none().then(|| &path[..end - 1])
+}
+
 /// Warnings about step, wind, particles and bands.
-pub(crate) fn of_air(scene: &SceneValues, air: &CheckedAir, particles: &AirParticles) -> Vec<String> {
+pub(crate) fn of_air(scene: &SceneValues, air: &CheckedAir, particles: &AirParticles) -> Vec<Warning> {
     let mut warnings = Vec::from_iter(of_wind(scene, air));
     let spacing = particles.volume.cbrt();
     for jet in scene.forces.iter().filter(|force| force.field == ForceField::Jet && air.is_still()) {
-        warnings.push(format!(
-            "force.{}: without a mean wind the air that a jet blows out of the box comes in again on the other side",
-            jet.name
+        warnings.push(Warning::new(
+            "jet_without_wind",
+            &format!("force.{}", jet.name),
+            "without a mean wind the air that a jet blows out of the box comes in again on the other side",
         ));
     }
     let ratio = air.kernel_radius / spacing;
     if !TRIED.contains(&ratio) {
-        warnings.push(format!(
-            "air.kernel_radius is {ratio:.2} particle spacings of {spacing:.2e} m; {:.1} to {:.1} are tried",
-            TRIED.start(),
-            TRIED.end()
-        ));
+        let (least, most) = (TRIED.start(), TRIED.end());
+        let text = format!("{ratio:.2} particle spacings of {spacing:.2e} m; {least:.1} to {most:.1} are tried");
+        warnings.push(Warning::new("kernel_radius", "air.kernel_radius", text));
     }
     for band in &scene.turbulence.bands {
         let smallest = SMALLEST_EDDY * spacing;
         if band.scale < smallest {
-            warnings.push(format!(
-                "turbulence scale {} m is below what particles {spacing:.2e} m apart can carry, {smallest:.2e} m",
+            let text = format!(
+                "a scale of {} m is below that which particles {spacing:.2e} m apart can carry, {smallest:.2e} m",
                 band.scale
-            ));
+            );
+            warnings.push(Warning::new("small_eddies", "turbulence", text));
         }
     }
     warnings.extend(of_eddies(scene, air));
     for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
         if (air.blows(axis, 1.0) || air.blows(axis, -1.0)) && air.fringe > 0.5 * particles.size[axis] {
-            warnings.push(format!(
-                "air.fringe of {} m takes more than half of the box in {name}, {} m",
-                air.fringe, particles.size[axis]
-            ));
+            let side = particles.size[axis];
+            let text = format!("{} m take more than half of the box in {name}, {side} m", air.fringe);
+            warnings.push(Warning::new("thick_fringe", "air.fringe", text));
         }
     }
     warnings
 }
 
 /// A warning where the fastest band would be strengthened to a speed that steps do not resolve.
-fn of_eddies(scene: &SceneValues, air: &CheckedAir) -> Option<String> {
+fn of_eddies(scene: &SceneValues, air: &CheckedAir) -> Option<Warning> {
     if scene.turbulence.law == Law::Published {
         return None;
     }
@@ -104,15 +240,16 @@ fn of_eddies(scene: &SceneValues, air: &CheckedAir) -> Option<String> {
     } else {
         "take a smaller intensity".to_owned()
     };
-    Some(format!(
+    let text = format!(
         "eddies of scale {} m are strengthened up to {most:.3} m/s, not to {wanted:.3} m/s, at which they would go farther than \
          air.kernel_radius, {} m, in a substep: {what}",
         band.scale, air.kernel_radius
-    ))
+    );
+    Some(Warning::new("fast_eddies", "turbulence", text))
 }
 
 /// A warning where the mean wind and a force field carry air farther in a substep than its pressure keeps up with.
-pub(crate) fn of_wind(scene: &SceneValues, air: &CheckedAir) -> Option<String> {
+pub(crate) fn of_wind(scene: &SceneValues, air: &CheckedAir) -> Option<Warning> {
     let way = scene.largest_wind() * scene.time.step / air.particle_volume().cbrt();
     let most = farthest(scene);
     if way <= most * f64::from(scene.time.substeps) {
@@ -124,10 +261,11 @@ pub(crate) fn of_wind(scene: &SceneValues, air: &CheckedAir) -> Option<String> {
     } else {
         format!("more substeps than there may be, {MAX_REPEATS}, would do")
     };
-    Some(format!(
+    let text = format!(
         "air moves {:.2} particle spacings in a step, where its pressure keeps up with at most {most}: {what}",
         way / f64::from(scene.time.substeps)
-    ))
+    );
+    Some(Warning::new("fast_wind", "air.wind", text))
 }
 
 /// Way of the air in a step for which its pressure is right \[particle spacings\]. The coarse grid doubles it where
@@ -148,31 +286,9 @@ fn has_weak_eddies(scene: &SceneValues) -> bool {
     !stirred && turbulence.law == Law::Band && bands <= WEAK * scene.largest_wind()
 }
 
-/// Warnings about keys that say what the scene's solver, model or method leaves out.
-pub(crate) fn of_idle(scene: &CheckedScene) -> Vec<String> {
-    let (fluid, pbf) = (&scene.scene().fluid, scene.fluid.solver == FluidSolver::Pbf);
-    let mut warnings = Vec::new();
-    let mut idle = |idle: bool, key: &str, why: &str| {
-        if idle {
-            warnings.push(format!("{key} does nothing: {why}"));
-        }
-    };
-    idle(pbf && fluid.pressure_iterations.is_some(), "fluid.pressure_iterations", "fluid.solver is pbf");
-    let without = !scene.interaction.model.has_air();
-    idle(without && scene.viscosity.smagorinsky > 0.0, "viscosity.smagorinsky", "the scene has no air particles");
-    for force in &scene.forces {
-        let key = format!("force.{}", force.name);
-        idle(scene.interaction.model == Model::None, &key, "interaction.model is none: hair alone");
-        let point = force.field == ForceField::Point && scene.interaction.model.has_air() && !pbf;
-        let why =
-            "a point's wind would compress the air, whose pressure takes it up; only hair outside the box feels it";
-        idle(point, &key, why);
-    }
-    warnings
-}
-
-/// A warning for each force field that neither air nor hair ever comes near to; `air` is where particles are.
-pub(crate) fn of_fields(scene: &SceneValues, hair: &Strands, air: &AirParticles) -> Vec<String> {
+/// A warning for each force field that moves nothing: a point's among air that cannot be compressed, and one that
+/// neither air nor hair ever comes near to; `air` is where particles are.
+pub(crate) fn of_fields(scene: &SceneValues, hair: &Strands, air: &AirParticles) -> Vec<Warning> {
     if scene.interaction.model == Model::None {
         return Vec::new();
     }
@@ -180,44 +296,47 @@ pub(crate) fn of_fields(scene: &SceneValues, hair: &Strands, air: &AirParticles)
     if !air.positions.is_empty() {
         places.push([air.min, air.min + air.size]);
     }
-    let far = scene.forces.iter().filter(|force| !places.iter().any(|place| force.reaches(*place)));
-    let what = if air.positions.is_empty() { "hair never gets" } else { "neither air nor hair ever gets" };
-    far.map(|force| format!("force.{} does nothing: {what} within its reach", force.name)).collect()
+    let who = if air.positions.is_empty() { "hair never gets" } else { "neither air nor hair ever gets" };
+    let pressed = scene.interaction.model.has_air() && scene.fluid.solver == FluidSolver::Divergence;
+    let each = scene.forces.iter().filter_map(|force| {
+        let why = if !places.iter().any(|place| force.reaches(*place)) {
+            format!("{who} within its reach")
+        } else if pressed && force.field == ForceField::Point {
+            "a point's wind would compress the air, whose pressure takes it up; only hair outside the box feels it"
+                .into()
+        } else {
+            return None;
+        };
+        Some(Warning::new("idle_force", &format!("force.{}", force.name), format!("does nothing: {why}")))
+    });
+    each.collect()
 }
 
 /// A warning where places in the world, which films, pictures and arrays have in f32, are too coarse for the segments.
-pub(crate) fn of_place(hair: &Strands) -> Option<String> {
+pub(crate) fn of_place(hair: &Strands) -> Option<Warning> {
     let far = hair.positions.iter().map(|x| x.abs().max_element()).fold(0.0, f64::max);
     // Largest rounding error of a coordinate: half a unit in its last place.
     let rounding = 0.5 * f64::from(f32::EPSILON) * far;
     let shortest = hair.rest_length.iter().copied().fold(f64::INFINITY, f64::min);
     (rounding > MUCH_ROUNDED * shortest).then(|| {
-        format!(
-            "hair begins {far:.3e} m from the origin, where films, pictures and arrays round places to {rounding:.1e} m, and the shortest \
+        let text = format!(
+            "begins {far:.3e} m from the origin, where films, pictures and arrays round places to {rounding:.1e} m, and the shortest \
              segment has {shortest:.1e} m: put the scene nearer to the origin"
-        )
+        );
+        Warning::new("far_from_origin", "hair", text)
     })
 }
 
-/// A warning for each group of strands whose friction was chosen where nothing presses hair on hair.
-pub(crate) fn of_friction(scene: &SceneValues, hair: &Strands) -> Vec<String> {
-    let Some(why) = scene.why_no_friction() else { return Vec::new() };
-    let chosen = (0..hair.len()).filter(|&s| ![0.0, FRICTION].contains(&hair.friction(s)));
-    let mut origins: Vec<String> = chosen.map(|s| hair.origin(s, scene)).collect();
-    origins.dedup();
-    origins.iter().map(|origin| format!("{origin}.friction does nothing: {why}")).collect()
-}
-
 /// Warnings about where the hair stands in its box.
-pub(crate) fn of_hair(hair: &Strands, air: &AirParticles, wind: DVec3) -> Vec<String> {
+pub(crate) fn of_hair(hair: &Strands, air: &AirParticles, wind: DVec3) -> Vec<Warning> {
     let mut warnings = Vec::new();
     let local = hair.positions.iter().map(|x| *x - air.min);
     let outside = local.filter(|x| x.cmplt(DVec3::ZERO).any() || x.cmpge(air.size).any()).count();
     if outside > 0 {
-        warnings.push(format!(
-            "{outside} of {} hair points start outside the box of air, where the mean wind drags them",
-            hair.positions.len()
-        ));
+        let all = hair.positions.len();
+        let text =
+            format!("{outside} of {all} hair points start outside the box of air, where the mean wind drags them");
+        warnings.push(Warning::new("starts_outside_box", "air.box", text));
     }
     let low = hair.roots().fold(DVec3::INFINITY, DVec3::min);
     let high = hair.roots().fold(DVec3::NEG_INFINITY, DVec3::max);
@@ -225,10 +344,11 @@ pub(crate) fn of_hair(hair: &Strands, air: &AirParticles, wind: DVec3) -> Vec<St
         let across = wind != DVec3::ZERO && wind[axis].abs() < 0.9 * wind.length();
         let part = (high - low)[axis] / air.size[axis];
         if across && part > 0.5 {
-            warnings.push(format!(
+            let text = format!(
                 "the roots span {:.0} % of the box in {name}: the air beside the hair is sped up",
                 100.0 * part
-            ));
+            );
+            warnings.push(Warning::new("narrow_box", "air.box", text));
         }
     }
     warnings
@@ -236,7 +356,7 @@ pub(crate) fn of_hair(hair: &Strands, air: &AirParticles, wind: DVec3) -> Vec<St
 
 /// A warning about hair that starts inside bodies, by more than rounding and grids make of a surface: points, and
 /// segments whose two points are outside.
-pub(crate) fn of_bodies(hair: &Strands, bodies: &[CheckedShape]) -> Option<String> {
+pub(crate) fn of_bodies(hair: &Strands, bodies: &[CheckedShape]) -> Option<Warning> {
     let slack: Vec<f64> = bodies.iter().map(CheckedShape::slack).collect();
     let bodies = || bodies.iter().zip(&slack);
     let inside = |x: &DVec3| bodies().any(|(body, slack)| body.signed_distance(*x).0 < -slack);
@@ -247,7 +367,10 @@ pub(crate) fn of_bodies(hair: &Strands, bodies: &[CheckedShape]) -> Option<Strin
     let points = (n > 0).then(|| format!("{n} of {} hair points", hair.positions.len()));
     let segments = (segments > 0).then(|| format!("{segments} of {} segments between points outside", ends.count()));
     let what: Vec<String> = points.into_iter().chain(segments).collect();
-    (!what.is_empty()).then(|| format!("{} start inside bodies, which push them out", what.join(" and ")))
+    (!what.is_empty()).then(|| {
+        let text = format!("{} start inside bodies, which push them out", what.join(" and "));
+        Warning::new("starts_inside_bodies", "hair", text)
+    })
 }
 
 /// Whether a segment between two points outside is deeper inside a body than `slack` \[m\] somewhere. A step from a
@@ -268,31 +391,34 @@ fn crosses(body: &CheckedShape, slack: f64, [from, to]: [DVec3; 2]) -> bool {
 
 /// Warnings about meshes that are so small that their scale may be that of other units, have a large part missing, or
 /// more detail than their grids.
-pub(crate) fn of_meshes(scene: &SceneValues) -> Vec<String> {
+pub(crate) fn of_meshes(scene: &SceneValues) -> Vec<Warning> {
     let mut warnings = Vec::new();
     for (name, solid) in scene.bodies.iter().filter_map(|body| Some((&body.name, body.shape.solid()?))) {
         let (size, covered) = (solid.size(), solid.covered());
+        let warning = |code: &str, text: String| Warning::new(code, &format!("body.{name}"), text);
         if size < SMALLEST_MESH {
             // A file that says its unit is in metres.
             let scale = solid.file().scale.unwrap_or(1.0);
-            warnings.push(format!("body.{name}: the mesh is {}", with_scale(size, scale, &solid::LIKELY)));
+            warnings.push(warning("mesh_scale", format!("the mesh is {}", with_scale(size, scale, &solid::LIKELY))));
         }
         if covered > MUCH_COVERED {
-            warnings.push(format!(
-                "body.{name}: {:.0} % of the surface covers holes of the mesh ({}): a part of the mesh may be missing",
+            let text = format!(
+                "{:.0} % of the surface covers holes of the mesh ({}): a part of the mesh may be missing",
                 100.0 * covered,
                 solid.holes()
-            ));
+            );
+            warnings.push(warning("mesh_holes", text));
         }
         let (error, spacing) = (solid.grid_error(), solid.grid().spacing);
         if error > COARSE {
-            warnings.push(format!(
-                "body.{name}: its grid of distances, {:.3} mm apart, puts 1 % of the surface {:.2} mm or more off the triangles: \
+            let text = format!(
+                "its grid of distances, {:.3} mm apart, puts 1 % of the surface {:.2} mm or more off the triangles: \
                  body.{name}.resolution = {:.2e} would make that a half, or a quarter where the surface is smooth, with eight times the memory",
                 1e3 * spacing,
                 1e3 * error,
                 0.5 * spacing
-            ));
+            );
+            warnings.push(warning("coarse_mesh", text));
         }
     }
     warnings
@@ -301,7 +427,7 @@ pub(crate) fn of_meshes(scene: &SceneValues) -> Vec<String> {
 /// A warning for each body beside which air goes too far in a substep for its density to stay even: more than a quarter
 /// of the radius of a round body, or more than 0.9 particle spacings where the body moves. The error of the density is
 /// 0.8 (U Δt/R)² (`docs/decisions/air.md`).
-pub(crate) fn of_way_beside(scene: &SceneValues, air: &CheckedAir) -> Vec<String> {
+pub(crate) fn of_way_beside(scene: &SceneValues, air: &CheckedAir) -> Vec<Warning> {
     if scene.fluid.solver == FluidSolver::Pbf {
         return Vec::new();
     }
@@ -317,11 +443,11 @@ pub(crate) fn of_way_beside(scene: &SceneValues, air: &CheckedAir) -> Vec<String
         };
         let needed = (speed * scene.time.step / most).ceil();
         (needed > f64::from(scene.time.substeps)).then(|| {
-            format!(
-                "air passes body {} at {speed:.3} m/s, more than {of} in a step: its density beside the body is uneven; take time.substeps = \
-                 {needed}",
-                body.name
-            )
+            let text = format!(
+                "air passes at {speed:.3} m/s, more than {of} in a step: its density beside the body is uneven; take time.substeps = \
+                 {needed}"
+            );
+            Warning::new("fast_past_body", &format!("body.{}", body.name), text)
         })
     });
     each.collect()
@@ -333,22 +459,21 @@ pub(crate) fn of_blocked(
     air: &CheckedAir,
     bounds: &Bounds,
     bodies: &[CheckedShape],
-) -> Vec<String> {
+) -> Vec<Warning> {
     let mut warnings = Vec::new();
     let far = scene.largest_wind() * scene.time.step / f64::from(scene.time.substeps);
     for body in scene.bodies.iter().filter(|body| far > 2.0 * body.shape.inradius()) {
-        warnings.push(format!(
-            "air moves {far:.1e} m in a step and may pass through body {}, which is thinner: a shorter time.step stops it",
-            body.name
-        ));
+        let text = format!(
+            "air moves {far:.1e} m in a step and may pass through this body, which is thinner: a shorter time.step stops it"
+        );
+        warnings.push(Warning::new("thin_body", &format!("body.{}", body.name), text));
     }
     for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
         let part = if bodies.is_empty() || air.wind[axis] == 0.0 { 0.0 } else { blocked(bodies, bounds, axis) };
         if part > MUCH_BLOCKED {
-            warnings.push(format!(
-                "bodies block {:.0} % of the box across {name}: the air beside them is sped up",
-                100.0 * part
-            ));
+            let text =
+                format!("bodies block {:.0} % of the box across {name}: the air beside them is sped up", 100.0 * part);
+            warnings.push(Warning::new("blocked_box", "air.box", text));
         }
     }
     warnings

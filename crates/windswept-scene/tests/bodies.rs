@@ -164,7 +164,8 @@ fn hair_grows_on_a_body_and_not_in_it() {
     };
     for radius in [0.1, 0.0901] {
         let state = InitialState::new(&scene_of(&text(radius), &[])).unwrap();
-        let inside = state.warnings.iter().any(|warning| warning.contains("20 of 100 hair points start inside bodies"));
+        let inside =
+            state.warnings.iter().any(|warning| warning.text.contains("20 of 100 hair points start inside bodies"));
         assert_eq!(inside, radius < 0.1, "{:?}", state.warnings);
     }
     // Two strands of one segment each, through the ball and past it, with both ends outside.
@@ -173,7 +174,7 @@ fn hair_grows_on_a_body_and_not_in_it() {
     let groom = Groom::new([across(1.099), across(1.101)].concat(), vec![0, 2, 4]);
     let warnings = InitialState::with_groom(&scene, &groom).unwrap().warnings;
     let said = "1 of 2 segments between points outside start inside bodies, which push them out";
-    assert!(warnings.iter().any(|warning| warning == said), "{warnings:?}");
+    assert!(warnings.iter().any(|warning| warning.text == said), "{warnings:?}");
     let error = InitialState::new(&scene_of(&text(0.0899), &[])).unwrap_err();
     assert_eq!(error.key(), Some("hair.roots"), "{error}");
     let shown = error.to_string();
@@ -184,7 +185,10 @@ fn hair_grows_on_a_body_and_not_in_it() {
 fn a_body_in_the_way_of_the_wind_is_said() {
     let bodies = "[[body]]\nradius = 0.03\ncenter = [0.11, 0.06, 0.035]\n";
     let warnings = InitialState::new(&scene_of(&format!("{BRUSH}{bodies}"), &["hair.length=0.02"])).unwrap().warnings;
-    assert!(warnings.len() == 1 && warnings[0].starts_with("bodies block 33 % of the box across x"), "{warnings:?}");
+    assert!(
+        warnings.len() == 1 && warnings[0].text.starts_with("bodies block 33 % of the box across x"),
+        "{warnings:?}"
+    );
     let small = InitialState::new(&scene_of(&format!("{BRUSH}{bodies}"), &["hair.length=0.02", "body.radius=0.02"]));
     assert!(small.unwrap().warnings.is_empty());
 }

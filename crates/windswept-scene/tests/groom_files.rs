@@ -13,7 +13,7 @@ use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept_scene::{
     CheckedScene, Curves, End, Fibre, Groom, GroomFile, GroomFormat, HairSource, InitialState, Moduli, RestShape,
-    Scene, Stiffness, Triangles, Up,
+    Scene, Stiffness, Triangles, Up, Warning,
 };
 
 fn f32s(numbers: &[f32]) -> Vec<u8> {
@@ -483,14 +483,14 @@ fn a_scene_takes_its_strands_from_a_file() {
     assert_eq!(state.hair.point_offsets, [0, 3, 5]);
     // 0.01 units are 0.1 mm across.
     assert!(state.hair.radius.iter().all(|radius| (radius - 5e-5).abs() < 1e-10), "{:?}", state.hair.radius);
-    assert!(state.warnings.iter().any(|warning| warning.contains("the radius that")), "{:?}", state.warnings);
+    assert!(state.warnings.iter().any(|warning| warning.text.contains("the radius that")), "{:?}", state.warnings);
     let scene = scene_of(&folder, "file = \"two.hair\"\nscale = 0.01\nfile_radius = false\nradius = 6e-5").unwrap();
     assert!(InitialState::new(&scene).unwrap().hair.radius.iter().all(|radius| *radius == 6e-5));
     // A tenth of a metre is no hair's.
     let scene = scene_of(&folder, "file = \"two.hair\"\nscale = 1").unwrap();
     let state = InitialState::new(&scene).unwrap();
     assert!(state.hair.radius.iter().all(|radius| *radius == 4e-5));
-    assert!(state.warnings.iter().any(|warning| warning.contains("no hair's")), "{:?}", state.warnings);
+    assert!(state.warnings.iter().any(|warning| warning.text.contains("no hair's")), "{:?}", state.warnings);
     // Keyframes move the roots about the file's origin.
     let keys = "file = \"two.hair\"\nscale = 0.01\nmotion = [{ time = 0, translation = [0, 1, 0], rotation = [0, 0, 1.5707963267948966] }]";
     let moved = InitialState::new(&scene_of(&folder, keys).unwrap()).unwrap();
@@ -581,10 +581,11 @@ fn strands_that_a_file_lacks_are_said() {
         let scene = scene_of(&folder, &format!("file = \"five.hair\"\nscale = 0.01\nstrands = {count}")).unwrap();
         InitialState::new(&scene).unwrap().warnings
     };
-    assert!(warnings(5).iter().all(|warning| !warning.contains("asked for")), "{:?}", warnings(5));
+    assert!(warnings(5).iter().all(|warning| !warning.text.contains("asked for")), "{:?}", warnings(5));
     let said = warnings(9);
-    let said =
-        said.iter().filter(|warning| warning.contains("9 strands are asked for, and") && warning.contains("has 5"));
+    let said = said
+        .iter()
+        .filter(|warning| warning.text.contains("9 strands are asked for, and") && warning.text.contains("has 5"));
     assert_eq!(said.count(), 1, "{:?}", warnings(9));
 }
 
@@ -628,7 +629,7 @@ fn curves_made_in_code_are_checked() {
 }
 
 /// Warnings of a straight upright strand of this γ = ρAgL³/EI, given as it hangs.
-fn upright(gamma: f64, lean: f64) -> Vec<String> {
+fn upright(gamma: f64, lean: f64) -> Vec<Warning> {
     let (length, radius) = (0.1, 4e-5);
     let youngs_modulus = 1320.0 * 9.81 * length * length * length / (0.25 * gamma * radius * radius);
     let stiffness = Stiffness::Moduli(Moduli { youngs_modulus, poissons_ratio: 0.38 });
@@ -657,7 +658,8 @@ fn strands_whose_roots_are_not_clamped_are_told() {
             "gravity = [0, -{gravity}, 0]\ntime = {{ step = 1e-3, duration = 1 }}\ninteraction.model = \"none\""
         );
         let warnings = InitialState::with_groom(&parse(&text).unwrap(), &groom).unwrap().warnings;
-        let says = warnings.iter().any(|warning| warning.contains("1 of 1 strands have a root that is not clamped"));
+        let says =
+            warnings.iter().any(|warning| warning.text.contains("1 of 1 strands have a root that is not clamped"));
         assert_eq!(says, told, "{root:?} {tip:?}: {warnings:?}");
     }
 }
@@ -669,7 +671,7 @@ fn a_strand_that_would_fall_over_is_told() {
         assert!(upright(7.7, lean).is_empty(), "{:?}", upright(7.7, lean));
         let warnings = upright(7.95, lean);
         assert!(
-            warnings.iter().any(|warning| warning.contains("so soft that they do not stay")),
+            warnings.iter().any(|warning| warning.text.contains("so soft that they do not stay")),
             "{lean}: {warnings:?}"
         );
     }

@@ -5,7 +5,7 @@ mod common;
 
 use common::{BRUSH, QUICK, assert_close, brush, scene_of};
 use glam::DVec3;
-use windswept_scene::InitialState;
+use windswept_scene::{Air, Hair, InitialState, Model, Roots, Scene, Time, Turbulence};
 
 /// The example is a small one, and there is nothing to warn of.
 #[test]
@@ -142,7 +142,7 @@ fn a_user_is_warned() {
                 "time.step=1.38e-3",
                 "body={shape='sphere',center=[0.022,0.098,0.03],radius=0.012}",
             ],
-            "air passes body body at 3.000 m/s, more than a quarter of its radius in a step: its density beside the body is uneven; take \
+            "body.body: air passes at 3.000 m/s, more than a quarter of its radius in a step: its density beside the body is uneven; take \
              time.substeps = 2",
         ),
         (
@@ -151,7 +151,7 @@ fn a_user_is_warned() {
                 "time.step=1.38e-3",
                 "body={shape='sphere',center=[0.022,0.098,0.03],radius=0.02,motion=[{time=0},{time=1,translation=[-2,0,0]}]}",
             ],
-            "air passes body body at 5.000 m/s, more than 0.9 particle spacings in a step: its density beside the body is uneven; take \
+            "body.body: air passes at 5.000 m/s, more than 0.9 particle spacings in a step: its density beside the body is uneven; take \
              time.substeps = 2",
         ),
         (
@@ -170,19 +170,15 @@ fn a_user_is_warned() {
         (&["hair.roots.direction=[-1,0,0]"], "hair points start outside the box"),
         (
             &["hair.roots.center=[0,0,-1e4]", "interaction.model=none"],
-            "hair begins 1.000e4 m from the origin, where films, pictures and arrays round places to 6.0e-4 m",
+            "hair: begins 1.000e4 m from the origin, where films, pictures and arrays round places to 6.0e-4 m",
         ),
         (&["hair.roots.radius=0.025"], "of the box in z: the air beside the hair is sped up"),
-        (&["air.fringe=0.09"], "air.fringe of 0.09 m takes more than half of the box in x"),
-        (&["air.kernel_radius=6e-3"], "air.kernel_radius is 1.24 particle spacings"),
+        (&["air.fringe=0.09"], "air.fringe: 0.09 m take more than half of the box in x"),
+        (&["air.kernel_radius=6e-3"], "air.kernel_radius: 1.24 particle spacings"),
         (&["hair.curl={radius=1e-3,pitch=0.01}"], "hair: the curl turns by 305 degrees per segment"),
         (
             &["force={name='sink',field='point',origin=[0,0,0],reach=0.1,strength=-0.1}"],
-            "force.sink does nothing: a point's wind would compress the air",
-        ),
-        (
-            &["force={field='point',origin=[0,0,0],reach=0.1,strength=-1}", "interaction.model=none"],
-            "force.force does nothing: interaction.model is none",
+            "force.sink: does nothing: a point's wind would compress the air",
         ),
         (
             &["force={field='jet',origin=[0,0,0],axis=[1,0,0],reach=0.1,strength=1}", "air.wind=[0,0,0]"],
@@ -193,28 +189,16 @@ fn a_user_is_warned() {
             &[
                 "force={name='fan',field='jet',origin=[0.5,0.06,0.035],axis=[-1,0,0],reach=0.33,radius=0.005,strength=0.1}",
             ],
-            "force.fan does nothing: neither air nor hair ever gets within its reach",
+            "force.fan: does nothing: neither air nor hair ever gets within its reach",
         ),
         (
             &["force={field='vortex',origin=[0.27,0,9],axis=[0,0,1],reach=0.1,strength=0.1}"],
-            "force.force does nothing: neither air nor hair",
-        ),
-        (
-            &["force={field='vortex',origin=[0.27,0,9],axis=[0,0,1],reach=0.1,strength=0.1}", "interaction.model=drag"],
-            "force.force does nothing: hair never gets within its reach",
-        ),
-        (
-            &["hair.friction=0.5", "interaction.model=drag"],
-            "hair.friction does nothing: only with interaction.model two-way",
-        ),
-        (&["hair.friction=0.5", "interaction.model=particles"], "hair.friction does nothing: only with interaction"),
-        (
-            &["hair.friction=0.5", "interaction.model=two-way", "fluid.iterations=0"],
-            "hair.friction does nothing: fluid.iterations is 0",
+            "force.force: does nothing: neither air nor hair",
         ),
     ] {
-        let warnings = brush(sets).1.warnings;
-        assert!(warnings.len() == 1 && warnings[0].contains(words), "{sets:?}: {warnings:?}");
+        let mut warnings = brush(sets).1.warnings;
+        warnings.retain(|warning| warning.code != "unread_key");
+        assert!(warnings.len() == 1 && warnings[0].to_string().contains(words), "{sets:?}: {warnings:?}");
     }
     for sets in [
         &["time.step=2e-3", "time.substeps=3"][..],
@@ -222,21 +206,92 @@ fn a_user_is_warned() {
         &["time.step=1.38e-3", "interaction.model=two-way", "turbulence={bands=[{scale=0.006,intensity=0.3}]}"],
         &["time.step=2e-3", "time.substeps=2", "fluid.solver=pbf"],
         &["hair.friction=0.5", "interaction.model=two-way"],
-        &["hair.friction=0", "interaction.model=drag"],
         &["force={field='jet',origin=[0.5,0.06,0.035],axis=[-1,0,0],reach=0.35,radius=0.005,strength=0.1}"],
         &["force={field='vortex',origin=[0.25,0,9],axis=[0,0,1],reach=0.1,strength=0.1}"],
         // Strands whose roots are free may get anywhere.
         &["force={field='point',origin=[9,0,9],reach=0.1,strength=0.1}", "interaction.model=drag", "hair.root=free"],
         &["force={field='point',origin=[0.2,0.06,0.03],reach=0.1,strength=0.1}", "interaction.model=drag"],
     ] {
-        assert!(brush(sets).1.warnings.is_empty(), "{sets:?}");
+        let warnings = brush(sets).1.warnings;
+        assert!(warnings.iter().all(|warning| warning.code == "unread_key"), "{sets:?}: {warnings:?}");
     }
+    let far = "force={field='vortex',origin=[0.27,0,9],axis=[0,0,1],reach=0.1,strength=0.1}";
+    let warnings = brush(&[far, "interaction.model=drag"]).1.warnings;
+    let said = "force.force: does nothing: hair never gets within its reach";
+    assert!(warnings.iter().any(|warning| warning.to_string() == said), "{warnings:?}");
     // Roots in a line along the wind block nothing.
     let along = ["hair.roots.shape=line", "hair.roots.direction=[0,0,1]", "hair.roots.radius=0.05", "hair.length=0.03"];
     let warnings = brush(&[&along[..], &["hair.roots.center=[0.08,0.06,0.01]"]].concat()).1.warnings;
     assert!(warnings.is_empty(), "{warnings:?}");
     let warnings = brush(&["turbulence.bands=[{scale=0.0049,intensity=0.3},{scale=0.006,intensity=0.3}]"]).1.warnings;
-    assert!(warnings.len() == 1 && warnings[0].contains("turbulence scale 0.0049 m is below"), "{warnings:?}");
+    assert!(warnings.len() == 1 && warnings[0].text.contains("a scale of 0.0049 m is below"), "{warnings:?}");
+}
+
+/// Each key that a scene gives and nothing reads has a warning with the reason; a table has one for all of its keys.
+#[test]
+fn unread_keys_are_named() {
+    let unread = |state: &InitialState| -> Vec<(String, String)> {
+        let all = state.warnings.iter().filter(|warning| warning.code == "unread_key");
+        all.map(|warning| (warning.key.clone(), warning.text.clone())).collect()
+    };
+    let drag = "interaction.model is drag: no air particles";
+    for (sets, expected) in [
+        (&[][..], &[][..]),
+        (
+            &[
+                "interaction.model=drag",
+                "turbulence.scale=0.006",
+                "viscosity={hair=0.7}",
+                "air.inflow={scale=0.01,intensity=0.3}",
+            ],
+            &[("air.box", drag), ("air.inflow", drag), ("air.jitter", drag), ("turbulence", drag), ("viscosity", drag)],
+        ),
+        (&["interaction.model=none"], &[("air", "interaction.model is none: hair alone")]),
+        (&["hair.density=1000", "hair.point_mass=1e-8"], &[("hair.density", "hair.point_mass gives the mass")]),
+        (
+            &["hair.name=fringe", "hair.friction=0", "interaction.model=particles"],
+            &[("hair.fringe.friction", "only with interaction.model two-way does hair press on hair alone")],
+        ),
+        (
+            &["interaction.model=two-way", "fluid={iterations=0,relaxation=0.4}", "hair.friction=0.5"],
+            &[
+                ("fluid.relaxation", "fluid.iterations is 0"),
+                ("hair.friction", "fluid.iterations is 0: no density constraint presses hair on hair"),
+            ],
+        ),
+        (
+            &["fluid={solver='pbf',pressure_iterations=3,coarse=true}"],
+            &[("fluid.coarse", "fluid.solver is pbf"), ("fluid.pressure_iterations", "fluid.solver is pbf")],
+        ),
+        (&["rods={iterations=3}"], &[("rods.iterations", "rods.solver is direct")]),
+        (&["rods={solver='gauss-seidel',newton=3}"], &[("rods.newton", "rods.solver is gauss-seidel")]),
+        (
+            &["air.wind=[0,0,0]", "air.ramp=1", "air.inflow={scale=0.006,intensity=0.3}"],
+            &[("air.inflow", "air.wind is zero"), ("air.ramp", "air.wind is zero")],
+        ),
+        (&["turbulence={law='band'}"], &[("turbulence", "there is no band of eddies")]),
+        (&["viscosity={hair=0,air=0,smagorinsky=0,form='limited'}"], &[("viscosity.form", "nothing is viscous")]),
+        (
+            &["hair.curl_phase=0.5", "air.skin_friction=0.2"],
+            &[("air.skin_friction", "the scene has no bodies"), ("hair.curl_phase", "the strands have no curl")],
+        ),
+    ] {
+        let found = unread(&brush(sets).1);
+        for (key, why) in expected {
+            let said = (key.to_string(), format!("does nothing: {why}"));
+            assert!(found.contains(&said), "{sets:?}: {key} is not in {found:?}");
+        }
+        assert!(found.len() <= expected.len(), "{sets:?}: {found:?}");
+    }
+    // A scene in code gives the values that are not their defaults.
+    let mut scene = Scene::new(Time::new(1e-3, 1.0));
+    scene.hair.push(Hair::drawn(2, 5, 0.1, Roots::disc([0.0; 3], 0.01)));
+    scene.air = Some(Air::default().wind([3.0, 0.0, 0.0]));
+    scene.interaction.model = Some(Model::Drag);
+    assert_eq!(unread(&InitialState::new(&scene).unwrap()), []);
+    scene.turbulence = Turbulence::scale(0.006);
+    let said = ("turbulence".to_owned(), format!("does nothing: {drag}"));
+    assert_eq!(unread(&InitialState::new(&scene).unwrap()), [said]);
 }
 
 /// A warning gives the spacing that air has in the box, which holds whole rows of it, and not that of the scene's
@@ -247,8 +302,8 @@ fn a_warning_has_the_spacing_of_the_box() {
     let [filled, parcels] = [state.air.volume, scene.air.as_ref().unwrap().particle_volume()]
         .map(|volume| format!("{:.2e} m", volume.cbrt()));
     assert_ne!(filled, parcels, "the box would have to be another one");
-    let words = format!("is below what particles {filled} apart can carry");
-    assert!(state.warnings.iter().any(|warning| warning.contains(&words)), "{words}: {:?}", state.warnings);
+    let words = format!("is below that which particles {filled} apart can carry");
+    assert!(state.warnings.iter().any(|warning| warning.text.contains(&words)), "{words}: {:?}", state.warnings);
 }
 
 /// Masses and compliances that single precision cannot hold are the scene's fault, not a NaN later; so is hair without

@@ -214,7 +214,11 @@ fn stretch_of(hair: &Strands, s: usize, points: &[DVec3]) -> f64 {
 
 /// Number of times that a strand was reset.
 fn resets(simulation: &Simulation) -> f64 {
-    simulation.warnings().get("strand_reset").copied().unwrap_or(0) as f64
+    simulation
+        .warnings()
+        .iter()
+        .find(|warning| warning.code == "strand_reset")
+        .map_or(0.0, |warning| warning.count as f64)
 }
 
 /// Part of all steps of strands so far that had not settled after the last Newton step.

@@ -43,7 +43,7 @@ pub use windswept_scene::{
     Fibre, Filter, Fluid, FluidSolver, Force, ForceField, GridFilter, Groom, GroomFile, Gust, Hair, HairSource, Inflow,
     InitialState, Integrator, Interaction, Keyframe, Law, LookAt, MeshFile, Method, Model, Moduli, Motion, Patch,
     Picture, Rods, Roots, Scalp, Scene, SceneError, Shape, Solid, Solver, Sphere, Stiffness, StrandStiffness, Strength,
-    Time, Turbulence, Up, Viscosity, ViscosityForm,
+    Time, Turbulence, Up, Viscosity, ViscosityForm, Warning,
 };
 
 pub use windswept_engine::*;

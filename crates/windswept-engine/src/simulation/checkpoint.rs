@@ -10,7 +10,7 @@ use std::{
 
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
-use windswept_scene::{AtomicFile, CheckedScene, InitialState, Scene};
+use windswept_scene::{AtomicFile, CheckedScene, InitialState, Scene, Warning};
 use windswept_shaders::common::rod::{Root, StrandHistory};
 
 use super::{
@@ -56,15 +56,15 @@ impl About {
         }
     }
 
-    /// A sentence if what goes on here is something else than what was saved.
-    fn differs_from(&self, now: &Self) -> Option<String> {
+    /// A warning if the adapter or the version is another than that of the saved run.
+    fn differs_from(&self, now: &Self) -> Option<Warning> {
         let version = |about: &Self| {
             let commit = about.commit.as_deref().map(|commit| format!(" ({commit})")).unwrap_or_default();
             format!("windswept {}{commit}", about.windswept)
         };
         let differ = |what: &str, then: String, now: String| {
-            (then != now)
-                .then(|| format!("goes on with another {what}, and so with other bits: saved by {then}, now {now}"))
+            let text = format!("goes on with another {what}, and so with other bits: saved by {then}, now {now}");
+            (then != now).then(|| Warning::new("other_bits", "", text))
         };
         differ("adapter", self.adapter.to_string(), now.adapter.to_string())
             .or_else(|| differ("version", version(self), version(now)))
@@ -221,10 +221,10 @@ impl Checkpoint {
         }
     }
 
-    /// A sentence that says whether the adapter or the version of windswept is another than that of the saved run, so
-    /// that the run goes on with other bits; `None` if both are the same.
+    /// A warning where the adapter or the version of windswept is another than that of the saved run, so that the run
+    /// goes on with other bits.
     #[must_use]
-    pub fn differs(&self, gpu: &Gpu) -> Option<String> {
+    pub fn differs(&self, gpu: &Gpu) -> Option<Warning> {
         self.about.differs_from(&About::of(gpu))
     }
 

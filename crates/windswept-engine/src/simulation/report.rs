@@ -1,18 +1,14 @@
 //! The report of a run, and the figures in it.
 
-use std::collections::BTreeMap;
-
 use glam::DVec3;
+use windswept_scene::Warning;
 
 use super::Simulation;
 use crate::{
     error::RunError,
     report::{BodyReport, Counts, PassReport, Report, SkippedReport},
-    status::{self, UNSOLVED},
+    status,
 };
-
-/// Strand steps of which one may go unsolved unmentioned: such a strand lags behind.
-const FEW: u64 = 100;
 
 impl Simulation {
     /// The report of the run so far; of one that an error ended, up to the last good step.
@@ -80,18 +76,13 @@ impl Simulation {
         median(&self.step_ms)
     }
 
-    /// Warnings: how often each cause acted so far, and those of the scene itself and of a wind that was set.
+    /// Warnings: those about the scene and a wind that was set, and those whose cause acted so far, with how often.
     #[must_use]
-    pub fn warnings(&self) -> BTreeMap<String, u64> {
-        let mut warnings = status::warnings(&self.last);
-        let unsolved = status::strand_steps(&self.last)[UNSOLVED.0];
-        let all = u64::from(self.engine.sizes().strands) * self.steps * self.substeps();
-        if unsolved * FEW > all {
-            warnings.insert(UNSOLVED.0.to_owned(), unsolved);
-        }
+    pub fn warnings(&self) -> Vec<Warning> {
+        let strand_steps = u64::from(self.engine.sizes().strands) * self.steps * self.substeps();
         let of_wind = self.wind_set.and_then(|_| self.scene.why_too_fast());
-        warnings.extend(self.initial.warnings.iter().cloned().chain(of_wind).map(|warning| (warning, 1)));
-        warnings
+        let of_run = status::warnings(&self.last, strand_steps);
+        self.initial.warnings.iter().cloned().chain(of_wind).chain(of_run).collect()
     }
 
     fn outside(&self, hair: &[[f32; 4]]) -> u64 {
