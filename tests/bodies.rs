@@ -472,7 +472,7 @@ fn hair_stays_on_a_head_that_turns() {
     // Roots are on triangles, of which the grid is off next to edges that lead inward: measured 5.5e-6 m; margin 4.
     assert!(hair < 3e-8 && roots < 2.2e-5 && air < 0.0, "{hair} {roots} {air}");
     assert!(frame.hair.velocities.iter().flatten().all(|v| v.abs() < 9.0));
-    let turned = scene.bodies[0].motion.at(0.04).1 * scene.bodies[0].motion.at(0.0).1.inverse();
+    let turned = scene.bodies[0].motion.at(0.04).rotation * scene.bodies[0].motion.at(0.0).rotation.inverse();
     let roots = |positions: &[[f32; 3]]| points(positions).into_iter().step_by(11).collect::<Vec<_>>();
     let start = roots(&Simulation::new(&support::gpu(), &scene).unwrap().frame().unwrap().hair.positions);
     let now = roots(&frame.hair.positions);

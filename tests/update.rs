@@ -4,8 +4,8 @@
 #[path = "support/mod.rs"]
 mod support;
 
-use glam::DVec3;
-use windswept::{Error, Simulation};
+use glam::{DQuat, DVec3};
+use windswept::{Error, Frame, Simulation};
 use windswept_scene::*;
 
 /// A tuft with bodies, a jet, bands, and an inflow, in a small box.
@@ -180,4 +180,168 @@ fn fixed_keys_are_named() {
         }
         assert!(bits(&simulation) == before, "{key}");
     }
+}
+
+/// The ball's way, 20 mm along z in 0.1 s, as a function of the time \[s\].
+fn way(time: f64) -> Pose {
+    Pose { translation: DVec3::new(0.0, 0.0, 0.2 * time), rotation: DQuat::from_rotation_x(3.0 * time) }
+}
+
+/// Largest distance between hair and air of two simulations \[m\].
+fn apart(a: &Simulation, b: &Simulation) -> f64 {
+    let [a, b] = [a, b].map(|simulation| simulation.frame().unwrap());
+    let all = |frame: Frame| [frame.hair.positions, frame.air.positions].concat();
+    let gaps = all(a)
+        .into_iter()
+        .zip(all(b))
+        .map(|(x, y)| DVec3::from_array(x.map(f64::from)) - DVec3::from_array(y.map(f64::from)));
+    // The box is periodic.
+    let size = DVec3::new(0.1, 0.05, 0.05);
+    gaps.map(|gap| (gap - size * (gap / size).round()).length()).fold(0.0, f64::max)
+}
+
+/// A body that is set before every step is one with these keyframes: hair and air go as they go about it.
+#[test]
+fn a_body_that_is_set_is_one_with_keyframes() {
+    let gpu = support::gpu();
+    let mut keyframed = scene();
+    let keyframe = |time: f64| Keyframe {
+        translation: way(time).translation.to_array(),
+        rotation: way(time).rotation.to_scaled_axis().to_array(),
+        ..Keyframe::new(time)
+    };
+    keyframed.bodies[0].motion = Motion { keyframes: vec![keyframe(0.0), keyframe(0.1)] };
+    let mut expected = Simulation::new(&gpu, &keyframed).unwrap();
+    let mut set = Simulation::new(&gpu, &scene()).unwrap();
+    let mut still = Simulation::new(&gpu, &scene()).unwrap();
+    for _ in 0..20 {
+        set.set_body("ball", way(set.time() + set.dt()), None).unwrap();
+        set.step(1).unwrap();
+    }
+    expected.step(20).unwrap();
+    still.step(20).unwrap();
+    let (off, moved) = (apart(&set, &expected), apart(&still, &expected));
+    println!("{off:e} m apart, {moved:e} m from a ball that rests");
+    assert!(off < 1e-5 && moved > 1e-3, "{off:e} {moved:e}");
+    let pose = set.frame().unwrap().bodies[0];
+    assert!(pose.translation.distance(way(set.time()).translation) < 1e-9, "{pose:?}");
+    // It rests where it was set, and an update leaves it there, and so does a file.
+    set.step(1).unwrap();
+    let mut lighter = scene();
+    lighter.gravity = [0.0, -3.0, 0.0];
+    set.update(&lighter).unwrap();
+    assert_eq!(set.frame().unwrap().bodies[0], set.frame().unwrap().bodies[0]);
+    let file = tempfile::NamedTempFile::new().unwrap();
+    set.save(file.path()).unwrap();
+    let mut loaded = Simulation::load(&gpu, file.path()).unwrap();
+    for simulation in [&mut set, &mut loaded] {
+        simulation.step(3).unwrap();
+        simulation.set_body("ball", Pose::default(), None).unwrap();
+        simulation.step(2).unwrap();
+    }
+    assert!(bits(&set) == bits(&loaded));
+    assert_eq!(loaded.frame().unwrap().bodies[0], Pose::default());
+}
+
+/// A body with a velocity jumps there, and pushes air with that velocity alone.
+#[test]
+fn a_body_with_a_velocity_jumps() {
+    let gpu = support::gpu();
+    let impulse = |velocity: Option<[DVec3; 2]>| {
+        let mut still = scene();
+        (still.air.as_mut().unwrap().wind, still.forces) = (Some([0.0; 3]), Vec::new());
+        still.turbulence = Turbulence::default();
+        let mut simulation = Simulation::new(&gpu, &still).unwrap();
+        let pose = Pose { translation: DVec3::new(0.0, 0.008, 0.0), ..Pose::default() };
+        simulation.set_body("ball", pose, velocity).unwrap();
+        simulation.step(1).unwrap();
+        DVec3::from_array(simulation.body_impulses().unwrap()[0])
+    };
+    let [jump, drift] = [Some([DVec3::ZERO; 2]), Some([DVec3::new(0.0, 1.0, 0.0), DVec3::ZERO])].map(impulse);
+    let dash = impulse(None);
+    println!("{jump:?} {drift:?} {dash:?} N s");
+    // 5.8 m/s over the step, 1 m/s, none.
+    assert!(dash.y < 3.0 * drift.y && drift.y < 0.0, "{dash} {drift}");
+    assert!(jump.length() < 0.2 * drift.length(), "{jump} {drift}");
+}
+
+/// Hair on a mesh goes with it, where the mesh is set.
+#[test]
+fn hair_goes_with_the_body_that_it_is_on() {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/scenes/head.toml");
+    let gpu = support::gpu();
+    let mut scene = Scene::load(file).unwrap();
+    (scene.air, scene.interaction.model, scene.turbulence) = (None, Some(Model::None), Turbulence::default());
+    scene.bodies[0].motion = Motion::default();
+    let turned = Pose { rotation: DQuat::from_rotation_y(0.2), ..Pose::default() };
+    let mut simulation = Simulation::new(&gpu, &scene).unwrap();
+    let before = simulation.clamps().unwrap();
+    simulation.set_body("head", turned, None).unwrap();
+    simulation.step(1).unwrap();
+    let center = scene.check().unwrap().bodies[0].shape.center();
+    let farthest = before.iter().zip(simulation.clamps().unwrap()).map(|((x, q), (now, frame))| {
+        let (at, turn) = (turned.place(center, *x), turned.rotation * *q);
+        now.distance(at) + 0.1 * turn.angle_between(frame)
+    });
+    let off = farthest.fold(0.0, f64::max);
+    assert!(off < 1e-6, "{off:e}");
+    assert!(simulation.report().unwrap().max_stretch.unwrap() < 1e-2);
+    let refused = simulation.set_roots(&vec![DVec3::ZERO; before.len()], None).unwrap_err().to_string();
+    assert!(refused.contains("roots"), "{refused}");
+}
+
+/// A pose that no body can have is refused by name, and so is a body that there is not.
+#[test]
+fn poses_are_checked() {
+    let mut simulation = Simulation::new(&support::gpu(), &scene()).unwrap();
+    let nan = Pose { translation: DVec3::NAN, ..Pose::default() };
+    let flat = Pose { rotation: DQuat::from_xyzw(0.0, 0.0, 0.0, 0.0), ..Pose::default() };
+    let turn = [DVec3::ZERO, DVec3::splat(f64::INFINITY)];
+    for (name, pose, velocity, words) in [
+        ("bal", Pose::default(), None, "name: expected a body of the scene, found \"bal\": ball"),
+        ("ball", nan, None, "translation: expected finite numbers"),
+        ("ball", flat, None, "rotation: expected one"),
+        ("ball", Pose::default(), Some(turn), "angular velocity: expected finite numbers"),
+    ] {
+        let error = simulation.set_body(name, pose, velocity).unwrap_err().to_string();
+        assert!(error.contains(words), "{error}");
+    }
+    simulation.step(1).unwrap();
+}
+
+/// Eddies are as fast as the wind that is set lets them be: a scene without a wind has none, and has them with one that
+/// is set, as a scene that began with it; a file keeps the largest wind.
+#[test]
+fn a_wind_that_is_set_drives_eddies() {
+    let gpu = support::gpu();
+    let of = |wind: [f64; 3]| {
+        let mut scene = scene();
+        scene.forces.clear();
+        scene.air.as_mut().unwrap().wind = Some(wind);
+        scene
+    };
+    let (still, windy) = (of([0.0; 3]), of([2.0, 0.0, 0.0]));
+    let mut set = Simulation::new(&gpu, &still).unwrap();
+    set.set_wind(DVec3::new(2.0, 0.0, 0.0)).unwrap();
+    assert_eq!(set.scene().turbulence.speed, 2.0);
+    let runs = |simulation: &mut Simulation| {
+        let report = simulation.report().unwrap();
+        !report.skipped.iter().any(|row| row.why.contains("turbulence.speed"))
+    };
+    let mut begun = Simulation::new(&gpu, &windy).unwrap();
+    assert!(runs(&mut set) && runs(&mut begun) && !runs(&mut Simulation::new(&gpu, &still).unwrap()));
+    set.step(60).unwrap();
+    begun.step(60).unwrap();
+    let [found, expected] = [&mut set, &mut begun].map(|simulation| simulation.spectrum(&[0.008]).unwrap()[0]);
+    println!("{found:.4} and {expected:.4} m²/s²");
+    assert!(found > 0.3 * expected, "{found} {expected}");
+    // Another wind after it leaves the speed where it was, also in a file.
+    set.set_wind(DVec3::new(1.0, 0.0, 0.0)).unwrap();
+    let file = tempfile::NamedTempFile::new().unwrap();
+    set.save(file.path()).unwrap();
+    let mut loaded = Simulation::load(&gpu, file.path()).unwrap();
+    assert_eq!((set.scene().turbulence.speed, loaded.scene().turbulence.speed), (2.0, 2.0));
+    set.step(4).unwrap();
+    loaded.step(4).unwrap();
+    assert!(bits(&set) == bits(&loaded));
 }

@@ -106,4 +106,4 @@ def test_another_adapter_is_warned_of(sim, tmp_path):
     path.write_bytes(changed)
     with pytest.warns(UserWarning, match="goes on with another adapter") as caught:
         loaded = ws.Simulation.load(path)
-    assert str(caught[0].message) in loaded.report()["warnings"]
+    assert str(caught[0].message) in [warning["text"] for warning in loaded.report()["warnings"]]

@@ -453,5 +453,5 @@ def test_what_a_start_warns_of_is_a_user_warning(bare):
     said = [str(warning.message) for warning in caught]
     assert any(words.startswith("groom: 3 of 3 strands are") for words in said), said
     # Each once, in the words of the report; the line is the caller's.
-    assert sorted(said) == sorted(sim.report()["warnings"])
+    assert sorted(said) == sorted(f"{warning['key']}: {warning['text']}" for warning in sim.report()["warnings"])
     assert {warning.filename for warning in caught} == {__file__}

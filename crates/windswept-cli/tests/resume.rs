@@ -346,6 +346,8 @@ fn a_blow_up_is_put_back_to_rest_if_asked() {
         (&12.into(), &4.into(), &true.into()),
         "{report}"
     );
-    assert_eq!((&report["steps"], &report["warnings"]["strand_reset"]), (&20.into(), &4.into()), "{report}");
+    let counts = report["warnings"].as_array().unwrap().iter().map(|warning| (&warning["code"], &warning["count"]));
+    assert_eq!(report["steps"], 20, "{report}");
+    assert!(counts.eq([(&"strand_reset".into(), &4.into())]), "{report}");
     assert!(report.get("failure").is_none(), "{report}");
 }

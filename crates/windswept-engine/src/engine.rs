@@ -10,7 +10,7 @@ use std::{
 
 use bytemuck::Pod;
 use glam::DVec3;
-use windswept_scene::{Strands, limits::MAX_BUCKETS};
+use windswept_scene::{CheckedScene, InitialState, Strands, limits::MAX_BUCKETS};
 use windswept_shaders::{
     common::{
         dispatch::WORKGROUP, lanes::LANES, list::PAGES, params::Params, pressure::Pressed, rod::Condition,
@@ -35,7 +35,9 @@ use crate::{
     state::{Sizes, State},
     status,
     upload::{
-        bodies, rods,
+        bodies,
+        motion::Motions,
+        rods,
         vectors::{quat, vec4},
     },
 };
@@ -96,6 +98,19 @@ impl Engine {
         Ok(engine)
     }
 
+    /// Writes the keyframes of all that moves, and who moves by them.
+    pub(crate) fn write_motions(
+        &self,
+        scene: &CheckedScene,
+        initial: &InitialState,
+        motions: &Motions,
+    ) -> Result<(), GpuError> {
+        let s = &self.state;
+        self.write(&s.keyframes, &motions.keyframes)?;
+        self.write(&s.bodies, &bodies::bodies(scene, initial, motions))?;
+        self.write(&s.strands, &rods::strands(scene, initial, motions))
+    }
+
     fn write_setup(&self, setup: &Setup<'_>) -> Result<(), GpuError> {
         let (s, scene, initial) = (&self.state, setup.scene, setup.initial);
         let (hair, air) = (&initial.hair, &initial.air);
@@ -113,10 +128,8 @@ impl Engine {
         self.write(&s.field_keyframes, &setup.fields.keyframes)?;
         self.write(&s.inverse_mass, &inverse_mass)?;
         self.write(&s.points, &rods::points(hair))?;
-        self.write(&s.keyframes, &setup.motions.keyframes)?;
-        self.write(&s.bodies, &bodies::bodies(scene, initial, &setup.motions))?;
+        self.write_motions(scene, initial, &setup.motions)?;
         self.write(&s.distances, &bodies::distances(scene))?;
-        self.write(&s.strands, &rods::strands(scene, initial, &setup.motions))?;
         self.write(&s.segments, &rods::segments(hair))?;
         self.write(&s.strand_history, &rods::strand_histories(initial))?;
         self.write(&s.root_targets, &rods::root_targets(scene, initial))?;

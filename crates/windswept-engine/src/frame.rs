@@ -1,5 +1,7 @@
 //! Frames: the state of a run as plain f32 arrays in world coordinates.
 
+use windswept_scene::Pose;
+
 /// The state at one time.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Frame {
@@ -11,6 +13,8 @@ pub struct Frame {
     pub hair: HairFrame,
     /// The air particles; empty without any.
     pub air: AirFrame,
+    /// Pose of each of the scene's bodies, in their order; empty where it is not known, as in a film.
+    pub bodies: Vec<Pose>,
 }
 
 /// Strands: points root to tip, one after the other.

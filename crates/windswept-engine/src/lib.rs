@@ -30,8 +30,8 @@ pub use error::{CheckpointError, Error, GpuError, RunError};
 pub use frame::{AirFrame, Frame, HairFrame};
 pub use gpu::{AdapterChoice, AdapterInfo, Gpu, ShaderVariant, adapters, wanted_features};
 pub use plan::{BufferRow, MemoryBytes, PlanRow, Uses, buffers, memory_bytes, table as plan};
-pub use report::{BandEnergy, BodyReport, Counts, PassReport, Report, Reset, RunFailure, SkippedReport};
-pub use simulation::{Accelerations, Buffers, Checkpoint, Simulation};
+pub use report::{BandEnergy, BodyReport, ParticleCounts, PassReport, Report, Reset, RunFailure, SkippedReport};
+pub use simulation::{Accelerations, AirSample, Buffers, Checkpoint, HairLoads, Simulation};
 
 /// Parts that tests and `windswept validate` look at. They are no part of the interface and change without notice.
 #[doc(hidden)]

@@ -30,7 +30,7 @@ pub struct Report {
     /// Variant of the shaders that ran there.
     pub variant: ShaderVariant,
     /// Numbers of particles.
-    pub particles: Counts,
+    pub particles: ParticleCounts,
     /// Steps since t = 0.
     pub steps: u64,
     /// Time reached \[s\].
@@ -143,7 +143,7 @@ impl std::fmt::Display for Reset {
 
 /// Numbers of particles.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
-pub struct Counts {
+pub struct ParticleCounts {
     /// Points of all strands.
     pub hair: u64,
     /// Air particles.

@@ -77,7 +77,7 @@ impl<'a> Setup<'a> {
             pressed: if divergence { params.particles } else { 0 },
             relaxations: iterations.len() as u32,
             coarse_nodes: coarse.as_ref().map_or(0, Coarse::nodes),
-            keyframes: motions.keyframes.len() as u32,
+            keyframes: motions.room(scene),
             bodies: scene.bodies.len() as u32,
             distances: bodies::nodes(scene),
             wind_table: wind_table.len() as u32,

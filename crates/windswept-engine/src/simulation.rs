@@ -1,24 +1,29 @@
 //! A simulation: a scene on a GPU, stepped, read back, reported.
 
+mod bodies;
 mod checkpoint;
 mod drive;
 mod energy;
 mod force;
+mod loads;
 mod measure;
 mod recover;
 mod report;
+mod sample;
 pub(crate) mod sections;
 mod trace;
 mod update;
 
-use std::{sync::OnceLock, time::Instant};
+use std::{collections::BTreeMap, sync::OnceLock, time::Instant};
 
 use glam::{DQuat, DVec3};
-use windswept_scene::{AsChecked, CheckedScene, Groom, InitialState};
+use windswept_scene::{AsChecked, CheckedScene, Counts, Groom, InitialState, Motion};
 use windswept_shaders::common::status::{NON_FINITE_AIR, Status, TOO_MANY_FAILED_STRANDS, UNRECOVERED_STRAND};
 
 pub use checkpoint::Checkpoint;
 pub use force::Accelerations;
+pub use loads::HairLoads;
+pub use sample::AirSample;
 
 use crate::{
     engine::{Engine, check_room},
@@ -44,7 +49,7 @@ const TIMED_BATCHES: u64 = 8;
 /// Hair and air of one scene.
 #[derive(Debug)]
 pub struct Simulation {
-    /// The scene as it was given: without a wind that was set.
+    /// The scene as it was given: without a wind and motions that were set.
     given: CheckedScene,
     scene: CheckedScene,
     initial: InitialState,
@@ -56,6 +61,8 @@ pub struct Simulation {
     wind_at_start: DVec3,
     /// The wind that [`Self::set_wind`] has set last \[m/s\].
     wind_set: Option<DVec3>,
+    /// Motions of the bodies that [`Self::set_body`] has moved, by their indices.
+    bodies_set: BTreeMap<usize, Motion>,
     /// The function that says what pushes in each step, where one was set.
     callback: Option<force::Callback>,
     /// Engine steps in the loaded state; 0 for a new run.
@@ -187,6 +194,7 @@ impl Simulation {
             root_frames: initial.hair.root_frame.clone(),
             wind_at_start: scene.air.as_ref().map_or(DVec3::ZERO, |air| DVec3::from_array(air.wind_at(0.0))),
             wind_set: None,
+            bodies_set: BTreeMap::new(),
             callback: None,
             first_substep: 0,
             steps: 0,
@@ -397,6 +405,33 @@ impl Simulation {
         &self.scene
     }
 
+    /// Numbers of strands, hair points and air particles.
+    #[must_use]
+    pub fn counts(&self) -> Counts {
+        let sizes = self.engine.sizes();
+        Counts { strands: sizes.strands.into(), hair_points: sizes.hair_points.into(), air: sizes.air().into() }
+    }
+
+    /// The next `n` frames, `time.frame_rate` of them in a second: each steps to its time.
+    ///
+    /// ```no_run
+    /// # fn draw(simulation: &mut windswept_engine::Simulation) -> Result<(), windswept_engine::RunError> {
+    /// for frame in simulation.frames(60) {
+    ///     println!("{} s: {:?}", frame?.time, "a frame");
+    /// }
+    /// # Ok(())
+    /// # }
+    /// ```
+    pub fn frames(&mut self, n: usize) -> impl Iterator<Item = Result<Frame, RunError>> + use<'_> {
+        (0..n).map(|_| {
+            let (time, now) = (&self.scene.time, self.steps);
+            let past = (now as f64 / time.steps_per_frame()) as u64;
+            let next = (past..).map(|frame| time.step_of_frame(frame)).find(|step| *step > now).unwrap_or(now + 1);
+            self.step(next - now)?;
+            self.frame()
+        })
+    }
+
     /// The state that the simulation started from.
     #[must_use]
     pub fn initial(&self) -> &InitialState {
@@ -460,6 +495,7 @@ impl Simulation {
                 velocities: slots.by_id(velocities[hair..].iter().map(xyz)),
                 ..AirFrame::default()
             },
+            bodies: self.scene.bodies.iter().map(|body| body.motion.at(self.time())).collect(),
         })?;
         Ok(frame)
     }

@@ -27,7 +27,7 @@ mod places;
 mod tests;
 
 use glam::{Quat, Vec3};
-use windswept_engine::{Frame, HairFrame};
+use windswept_engine::{AirFrame, Frame, HairFrame};
 use windswept_scene::{CheckedBody, CheckedScene, Curves, Hair, Strands, limits::MAX_HAIRS};
 
 use crate::error::ExportError;
@@ -303,19 +303,19 @@ impl Followers {
         &self.start
     }
 
-    /// The followers when the strands are these, at `time` \[s\], which says where bodies are. They have no
-    /// orientations.
+    /// The followers of a frame's strands, kept out of the bodies where the frame has them. They have no orientations.
     ///
     /// # Errors
     /// [`ExportError::Picture`] if these are other strands than those of the start.
-    pub fn of(&self, strands: &HairFrame, time: f64) -> Result<HairFrame, ExportError> {
+    pub fn of(&self, frame: &Frame) -> Result<HairFrame, ExportError> {
+        let strands = &frame.hair;
         let points = strands.positions.len();
         if strands.offsets != self.guides.offsets || points != self.guides.positions.len() {
             let problem = "the frame has other strands than the followers were made for".to_owned();
             return Err(ExportError::Picture { problem });
         }
         let turns = turns(&self.guides, strands);
-        let bodies = Bodies::at(&self.bodies, time);
+        let bodies = Bodies::of(&self.bodies, frame);
         let has_velocities = strands.velocities.len() == points;
         let mut hair = HairFrame { positions: Vec::with_capacity(self.start.positions.len()), ..self.start.clone() };
         for (bond, ends) in self.bonds.iter().zip(self.start.offsets.windows(2)) {
@@ -361,7 +361,7 @@ impl Followers {
     /// # Errors
     /// As [`Self::of`].
     pub fn frame(&self, frame: &Frame) -> Result<Frame, ExportError> {
-        Ok(Frame { step: frame.step, time: frame.time, hair: self.of(&frame.hair, frame.time)?, ..Frame::default() })
+        Ok(Frame { hair: self.of(frame)?, air: AirFrame::default(), bodies: frame.bodies.clone(), ..*frame })
     }
 }
 

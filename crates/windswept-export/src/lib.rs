@@ -11,6 +11,7 @@
 //! [`Measurement`]: swing, frequency, wavelength, turning, gathering and more.
 
 mod arrays;
+mod bodies;
 mod error;
 mod film;
 mod folder;

@@ -155,7 +155,7 @@ impl Renderer {
         let margin = 0.03 * (high - low).max_element() + 1e-3;
         let (low, high) = ((low - margin).as_dvec3(), (high + margin).as_dvec3());
         let uniform = self.view.uniform(low, high, self.groom.hairs.len() as u32, self.samples);
-        let followers = self.groom.followers.of(&frame.hair, frame.time)?;
+        let followers = self.groom.followers.of(frame)?;
         self.passes.upload(&self.gpu, &uniform, &self.scene, frame, &followers)?;
         let air = self.passes.air(&self.gpu, &air)?;
         self.gpu.checked(

@@ -17,7 +17,7 @@ use groom::{gpu, scene, strands};
 fn moment(k: usize) -> Frame {
     let hair = strands(&[Vec3::ZERO, Vec3::new(0.0, 0.01, 0.0)], Vec3::new(0.03, 0.001 * k as f32, 0.0));
     let air = AirFrame { positions: vec![[0.0; 3]; 5], velocities: vec![[1.0, 0.0, 0.0]; 5], ..AirFrame::default() };
-    Frame { step: k as u64, time: 0.1 * k as f64, hair, air }
+    Frame { step: k as u64, time: 0.1 * k as f64, hair, air, bodies: Vec::new() }
 }
 
 /// Files below a folder, as the table names them; a file per frame stands as that of frame 0.

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use glam::Vec3;
 use image::RgbaImage;
-use windswept_engine::HairFrame;
+use windswept_engine::{Frame, HairFrame};
 use windswept_export::{Followers, Renderer, image};
 use windswept_scene::{CheckedShape, HairSource, InitialState, Roots, Solid};
 
@@ -85,7 +85,7 @@ fn hair_on_a_mesh_grows_from_it() {
     let meshed = meshed.check().unwrap();
     let start = InitialState::new(&meshed).unwrap().hair;
     let hair = HairFrame { fibres: vec![40.0; 30], ..at_rest(&start) };
-    let all = Followers::new(&meshed, &hair).unwrap().of(&hair, 0.0).unwrap();
+    let all = Followers::new(&meshed, &hair).unwrap().of(&Frame { hair: hair.clone(), ..Frame::default() }).unwrap();
     let roots = all.positions.chunks(5).map(|strand| Vec3::from_array(strand[0]).distance(Vec3::X * 0.012));
     let off = roots.map(|far| (far - 0.01).abs()).fold(0.0, f32::max);
     assert_eq!(all.offsets.len(), 30 * 40 + 1);

@@ -223,7 +223,7 @@ impl Simulation {
             let engine = lock(&self.engine);
             let followers = self.following(&engine)?;
             let frame = engine.frame().map_err(|error| of_run(&error))?;
-            let hair = followers.of(&frame.hair, frame.time).map_err(|error| export_error(&error))?;
+            let hair = followers.of(&frame).map_err(|error| export_error(&error))?;
             Ok::<_, PyErr>((followers, hair))
         })??;
         Followers::new(py, &followers, hair)

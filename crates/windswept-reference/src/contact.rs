@@ -132,7 +132,7 @@ pub fn bodies(scene: &CheckedScene, initial: &InitialState) -> Vec<Body> {
 
 impl Body {
     fn pose(&self, time: f64) -> Pose {
-        let (translation, rotation) = self.motion.at(time);
+        let windswept_scene::Pose { translation, rotation } = self.motion.at(time);
         Pose { center: self.shape.center(), translation, rotation }
     }
 }

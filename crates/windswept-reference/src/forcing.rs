@@ -75,9 +75,9 @@ pub fn roots(p: &Parameters, s: &State, strand: usize) -> StrandMotion {
     let group = s.hair.group.get(strand).and_then(|group| p.hair_motions.get(*group as usize));
     if let Some((motion, center)) = group.filter(|(motion, _)| !motion.keyframes.is_empty()) {
         // The target is as drawn, and is carried from where keyframes start to where they are at the step's end.
-        let ((start, turned), (end, turning)) = (motion.at(0.0), motion.at((s.steps + 1) as f64 * p.step));
-        let turn = turning * turned.conjugate();
-        let carried = |x: DVec3| *center + end + turn * (x - *center - start);
+        let (start, end) = (motion.at(0.0), motion.at((s.steps + 1) as f64 * p.step));
+        let turn = end.rotation * start.rotation.conjugate();
+        let carried = |x: DVec3| *center + end.translation + turn * (x - *center - start.translation);
         goal = (carried(goal.0), (turn * goal.1).normalize());
         (tip_goal, tip_frame) = (carried(tip_goal), (turn * tip_frame).normalize());
         left = 1;

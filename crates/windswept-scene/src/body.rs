@@ -16,7 +16,7 @@ use crate::{
         Kind::{Length, NonNegative, Table, Tables, Text, Vector},
     },
     limits::{MAX_BLOCKED, MAX_GRID_VALUES},
-    motion::Motion,
+    motion::{Motion, Pose},
     scene::{Bounds, SceneValues},
     solid::{MeshFile, Solid},
     triangles::Triangles,
@@ -304,8 +304,14 @@ impl CheckedBody {
     /// The body's shape where it is at `time` \[s\].
     #[must_use]
     pub fn at(&self, time: f64) -> CheckedShape {
+        self.placed(&self.motion.at(time))
+    }
+
+    /// The body's shape in this pose.
+    #[must_use]
+    pub fn placed(&self, pose: &Pose) -> CheckedShape {
         let center = self.shape.center();
-        self.shape.moved(|x| self.motion.place(center, x, time))
+        self.shape.moved(|x| pose.place(center, x))
     }
 }
 

@@ -157,7 +157,7 @@ fn draw(
             None => on_mesh[i as usize],
         };
         // Where the motion has it at the start.
-        let turn = hair.motion.at(0.0).1;
+        let turn = hair.motion.at(0.0).rotation;
         let root = hair.motion.place(hair.center(), root, 0.0);
         let length = drawn.length * (1.0 - drawn.length_variation * rng.random::<f64>());
         let phase = rng.random::<f64>();

@@ -52,7 +52,7 @@ pub use force::{CheckedForce, Force, ForceField, Strength};
 pub use groom::{Groom, PerStrand, RestCurvature, RestShape};
 pub use initial::{AirParticles, InitialState};
 pub use load::Outline;
-pub use motion::{Keyframe, Motion};
+pub use motion::{Keyframe, Motion, Pose};
 pub use picture::*;
 pub use scene::*;
 pub use schema::schema;

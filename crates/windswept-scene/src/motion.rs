@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use glam::{DQuat, DVec3};
+use serde::{Deserialize, Serialize};
 
 use crate::{
     declare::{Field, Row, table},
@@ -21,7 +22,7 @@ use crate::{
 ///
 /// Between two keyframes T is linear and R turns steadily about one axis (slerp); before the first and after the last
 /// they hold. Without keyframes the thing rests.
-#[derive(Debug, Clone, PartialEq, Default)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub struct Motion {
     /// Keyframes: their times rise, and from each to the next is less than half a turn.
     pub keyframes: Vec<Keyframe>,
@@ -29,7 +30,7 @@ pub struct Motion {
 
 table! {
     /// One of `[[hair.motion]]` or `[[body.motion]]`.
-    #[derive(Debug, Clone, Copy, PartialEq)]
+    #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
     pub struct Keyframe {
         /// Time of the keyframe; each is later than the one before.
         time: f64 = NonNegative, "s", Required;
@@ -40,6 +41,23 @@ table! {
     }
 }
 
+/// A pose of a thing with a centre c: it is at x = c + R (x₀ − c) + T, where x₀ is its place without a motion.
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
+pub struct Pose {
+    /// Translation T \[m\].
+    pub translation: DVec3,
+    /// Rotation R.
+    pub rotation: DQuat,
+}
+
+impl Pose {
+    /// Position \[m\] of `point`, of a thing with this centre.
+    #[must_use]
+    pub fn place(&self, center: DVec3, point: DVec3) -> DVec3 {
+        center + self.rotation * (point - center) + self.translation
+    }
+}
+
 impl Keyframe {
     /// The thing in its own place at `time` \[s\].
     #[must_use]
@@ -47,35 +65,36 @@ impl Keyframe {
         Self { time, translation: [0.0; 3], rotation: [0.0; 3] }
     }
 
-    /// Translation T \[m\] and rotation R.
+    /// The pose at the keyframe.
     #[must_use]
-    pub fn pose(&self) -> (DVec3, DQuat) {
-        (DVec3::from_array(self.translation), DQuat::from_scaled_axis(DVec3::from_array(self.rotation)))
+    pub fn pose(&self) -> Pose {
+        let rotation = DQuat::from_scaled_axis(DVec3::from_array(self.rotation));
+        Pose { translation: DVec3::from_array(self.translation), rotation }
     }
 }
 
 impl Motion {
-    /// Translation T \[m\] and rotation R at `time` \[s\].
+    /// The pose at `time` \[s\].
     #[must_use]
-    pub fn at(&self, time: f64) -> (DVec3, DQuat) {
+    pub fn at(&self, time: f64) -> Pose {
         let next = self.keyframes.partition_point(|keyframe| keyframe.time <= time);
         let before = next.checked_sub(1).and_then(|last| self.keyframes.get(last));
         match (before, self.keyframes.get(next)) {
             (Some(before), Some(after)) => {
                 let part = (time - before.time) / (after.time - before.time);
-                let ((from, turned), (to, turning)) = (before.pose(), after.pose());
-                (from.lerp(to, part), turned.slerp(turning, part))
+                let (from, to) = (before.pose(), after.pose());
+                let translation = from.translation.lerp(to.translation, part);
+                Pose { translation, rotation: from.rotation.slerp(to.rotation, part) }
             }
             (Some(only), None) | (None, Some(only)) => only.pose(),
-            (None, None) => (DVec3::ZERO, DQuat::IDENTITY),
+            (None, None) => Pose::default(),
         }
     }
 
     /// Position of `point`, of a thing with this centre, at `time` \[s\], in m.
     #[must_use]
     pub fn place(&self, center: DVec3, point: DVec3, time: f64) -> DVec3 {
-        let (translation, rotation) = self.at(time);
-        center + rotation * (point - center) + translation
+        self.at(time).place(center, point)
     }
 }
 

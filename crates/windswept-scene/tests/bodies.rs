@@ -7,7 +7,9 @@ use std::f64::consts::PI;
 
 use common::{BRUSH, assert_close, scene_of};
 use glam::{DQuat, DVec3};
-use windswept_scene::{CheckedBody, CheckedShape, Groom, InitialState, Keyframe, Motion, Round, Solid, Triangles};
+use windswept_scene::{
+    CheckedBody, CheckedShape, Groom, InitialState, Keyframe, Motion, Pose, Round, Solid, Triangles,
+};
 
 fn keyframe(time: f64, translation: [f64; 3], rotation: [f64; 3]) -> Keyframe {
     Keyframe { time, translation, rotation }
@@ -16,7 +18,7 @@ fn keyframe(time: f64, translation: [f64; 3], rotation: [f64; 3]) -> Keyframe {
 /// Held before the first and after the last; between them half way at half time.
 #[test]
 fn keyframes_hold_and_lead_from_one_to_the_next() {
-    assert_eq!(Motion::default().at(3.0), (DVec3::ZERO, DQuat::IDENTITY));
+    assert_eq!(Motion::default().at(3.0), Pose::default());
     let motion = Motion {
         keyframes: vec![
             keyframe(1.0, [0.0, 1.0, 0.0], [0.0; 3]),
@@ -34,7 +36,7 @@ fn keyframes_hold_and_lead_from_one_to_the_next() {
         (4.0, [2.0, 1.0, -4.0], 6.0),
         (9.0, [2.0, 1.0, -4.0], 6.0),
     ] {
-        let (t, r) = motion.at(time);
+        let Pose { translation: t, rotation: r } = motion.at(time);
         assert!(t.distance(DVec3::from_array(translation)) < 1e-15, "{time}: {t}");
         let turned = DQuat::from_rotation_y(angle);
         assert!(r.dot(turned).abs() > 1.0 - 1e-14, "{time}: {r}, not {turned}");

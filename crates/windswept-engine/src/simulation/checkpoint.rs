@@ -1,6 +1,7 @@
 //! A simulation in a file, from which it goes on with the same bits.
 
 use std::{
+    collections::BTreeMap,
     fs::File,
     io::{self, BufRead as _, BufReader, BufWriter, Read, Write},
     mem,
@@ -10,7 +11,8 @@ use std::{
 
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
-use windswept_scene::{AtomicFile, CheckedScene, InitialState, Scene, Warning};
+use windswept_scene::limits::FASTEST_WIND;
+use windswept_scene::{AtomicFile, CheckedScene, InitialState, Keyframe, Motion, Scene, Warning};
 use windswept_shaders::common::rod::{Root, StrandHistory};
 
 use super::{
@@ -28,7 +30,7 @@ use crate::{
 };
 
 /// Format of the files. It rises when a section gets another content, or a buffer that lasts another layout or meaning.
-const FORMAT: u32 = 11;
+const FORMAT: u32 = 12;
 
 const ABOUT: &str = "about";
 const SCENE: &str = "scene";
@@ -110,6 +112,10 @@ struct Driven {
     root_frames: Vec<DQuat>,
     /// Mean wind that was set last, in place of the scene's own \[m/s\].
     wind: Option<DVec3>,
+    /// Speed of the law of turbulence, which a wind that was set has raised \[m/s\].
+    speed: f64,
+    /// Motions that were set, by the bodies' indices.
+    bodies: BTreeMap<usize, Motion>,
     /// Whether a force that was set pushes hair and air.
     pushes: bool,
     /// Resets so far.
@@ -254,6 +260,15 @@ impl Checkpoint {
         if let Some(wind) = driven.wind.filter(|wind| !is_wind(wind)) {
             return Err(invalid(&file, format!("section {DRIVEN} has a wind of {wind} m/s")));
         }
+        let is_held = |k: &Keyframe| held(&k.translation.into()) && held(&k.rotation.into()) && k.time.is_finite();
+        let is_motion = |motion: &Motion| motion.keyframes.len() <= 3 && motion.keyframes.iter().all(is_held);
+        if driven.bodies.iter().any(|(body, motion)| *body >= scene.bodies.len() || !is_motion(motion)) {
+            return Err(invalid(&file, format!("section {DRIVEN} has motions that are no bodies'")));
+        }
+        if !(0.0..=FASTEST_WIND).contains(&driven.speed) && driven.speed != scene.turbulence.speed {
+            return Err(invalid(&file, format!("section {DRIVEN} has a speed of {} m/s", driven.speed)));
+        }
+        simulation.raise_speed(driven.speed).map_err(failed)?;
         simulation.plan_force(driven.pushes).map_err(|error| failed(Error::Gpu(error)))?;
         let engine = &simulation.engine;
         for (array, bytes) in engine.state().lasting().iter().zip(&buffers) {
@@ -279,7 +294,10 @@ impl Checkpoint {
         simulation.resets = driven.resets;
         simulation.files = OnceLock::from(files);
         if let Some(wind) = driven.wind {
-            simulation.plan_wind(wind)?;
+            simulation.plan_wind(wind).map_err(failed)?;
+        }
+        for (body, motion) in driven.bodies {
+            simulation.set_motion(body, motion)?;
         }
         Ok(simulation)
     }
@@ -348,6 +366,8 @@ impl Simulation {
         let driven = Driven {
             root_frames: self.root_frames.clone(),
             wind: self.wind_set,
+            speed: self.scene.turbulence.speed,
+            bodies: self.bodies_set.clone(),
             pushes: self.plan.conditions.pushes.runs,
             resets: self.resets.clone(),
         };

@@ -11,7 +11,9 @@ use windswept_shaders::common::validity::FAST;
 
 use super::Simulation;
 use crate::{
-    error::{GpuError, RunError},
+    error::{Error, RunError},
+    setup::Setup,
+    step::Plan,
     upload::{rods, winds},
 };
 
@@ -94,7 +96,8 @@ impl Simulation {
     }
 
     /// Sets the mean wind from the next step on \[m/s\], in place of the scene's wind, ramp and gusts. All air takes
-    /// the change in that step. A wind that turns round enters from the other side. `turbulence.speed` does not change.
+    /// the change in that step. A wind that turns round enters from the other side. `turbulence.speed`, where the scene
+    /// leaves it to the largest wind, rises to one that is set.
     /// Where the wind is faster than the air's pressure keeps up with, [`Self::warnings`] says so.
     ///
     /// # Errors
@@ -120,11 +123,14 @@ impl Simulation {
             table.len() as usize,
         );
         self.engine.write(table, &entries)?;
-        Ok(self.plan_wind(wind)?)
+        self.plan_wind(wind).map_err(|error| match error {
+            Error::Gpu(error) => RunError::Gpu(error),
+            error => RunError::Input(error.to_string()),
+        })
     }
 
     /// Gives scene and plan this wind \[m/s\] in place of the scene's own.
-    pub(super) fn plan_wind(&mut self, wind: DVec3) -> Result<(), GpuError> {
+    pub(super) fn plan_wind(&mut self, wind: DVec3) -> Result<(), Error> {
         self.scene = self.scene.assuming(|scene, values| {
             if let (Some(written), Some(air)) = (&mut scene.air, &mut values.air) {
                 (written.wind, written.ramp, written.gust) = (Some(wind.to_array()), 0.0, Vec::new());
@@ -132,7 +138,29 @@ impl Simulation {
             }
         });
         self.wind_set = Some(wind);
-        if self.plan.set_wind(wind != DVec3::ZERO) { self.record_again() } else { Ok(()) }
+        if self.plan.set_wind(wind != DVec3::ZERO) {
+            self.record_again()?;
+        }
+        self.raise_speed(wind.length())
+    }
+
+    /// Raises the speed of the law of turbulence \[m/s\], where the scene leaves it to the largest wind.
+    pub(super) fn raise_speed(&mut self, speed: f64) -> Result<(), Error> {
+        let turbulence = &self.scene.turbulence;
+        if self.given.scene().turbulence.speed.is_some() || turbulence.bands.is_empty() || speed <= turbulence.speed {
+            return Ok(());
+        }
+        self.scene = self.scene.assuming(|_, values| values.turbulence.speed = speed);
+        let setup = Setup::new(&self.scene, &self.initial);
+        self.engine.write(&self.engine.state().band, &setup.bands.tasks)?;
+        if Plan::new(&setup).conditions.turbulence.runs && !self.plan.conditions.turbulence.runs {
+            // Its passes need buffers of their own.
+            let next = self.with_scene(&self.scene.clone(), &[])?;
+            let given = self.given.clone();
+            self.go_on_as(next);
+            self.given = given;
+        }
+        Ok(())
     }
 
     /// Puts hair somewhere else: positions \[m\] and velocities \[m/s\] of points, orientations of segments. An array

@@ -30,10 +30,17 @@ impl Simulation {
     /// risen. Empty without air particles.
     ///
     /// # Errors
-    /// As [`Self::density`], and [`RunError::Measurement`] for a scale that no grid can have.
+    /// As [`Self::density`], and [`RunError::Measurement`] for a scale that no grid can have, or of eddies that are
+    /// larger than the box: above half of its longest side.
     pub fn spectrum(&self, scales: &[f64]) -> Result<Vec<f64>, RunError> {
         if !self.plan.conditions.air.runs {
             return Ok(Vec::new());
+        }
+        let most = 0.5 * self.initial.air.size.max_element();
+        if let Some(scale) = scales.iter().find(|scale| **scale > most) {
+            return Err(RunError::Measurement(format!(
+                "scales: expected at most half of the box, {most:.3} m, found {scale}"
+            )));
         }
         let air = self.air_now()?;
         scales.iter().map(|&scale| self.mean_energy(&air, scale)).collect()

@@ -6,7 +6,7 @@ use windswept_scene::Warning;
 use super::Simulation;
 use crate::{
     error::RunError,
-    report::{BodyReport, Counts, PassReport, Report, SkippedReport},
+    report::{BodyReport, ParticleCounts, PassReport, Report, SkippedReport},
     status,
 };
 
@@ -37,7 +37,7 @@ impl Simulation {
             method: format!("{:?}", self.scene.method).to_lowercase(),
             adapter: self.engine.gpu().info().clone(),
             variant: self.engine.gpu().variant(),
-            particles: Counts {
+            particles: ParticleCounts {
                 hair: sizes.hair_points.into(),
                 air: sizes.air().into(),
                 hair_outside_box: self.outside(&positions[..sizes.hair_points as usize]),

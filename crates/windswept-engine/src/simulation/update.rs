@@ -53,7 +53,7 @@ const FIXED: &[&str] = &[
 ];
 
 impl Simulation {
-    /// Goes on with another scene from the next step on. The state stays as it is, and so do roots, pins and a force
+    /// Goes on with another scene from the next step on. The state stays as it is, and so do roots, pins, bodies and a force
     /// that were set; a wind that was set is part of [`Self::scene`], and stays in a scene that was made from it. The
     /// arrays that follow from the scene are those of a new simulation of it, so that a simulation that has not stepped
     /// yet has the same bits as a new one.
@@ -83,19 +83,30 @@ impl Simulation {
         if changed.is_empty() {
             return Ok(());
         }
-        let mut next = self.with_scene(&scene, &changed)?;
-        (next.callback, next.trace) = (self.callback.take(), self.trace.take());
-        *self = next;
+        let next = self.with_scene(&scene, &changed)?;
+        self.go_on_as(next);
         Ok(())
     }
 
+    /// Goes on as another simulation of the same state.
+    pub(super) fn go_on_as(&mut self, mut next: Self) {
+        (next.callback, next.trace) = (self.callback.take(), self.trace.take());
+        *self = next;
+    }
+
     /// The simulation with another scene.
-    fn with_scene(&self, scene: &CheckedScene, changed: &[String]) -> Result<Self, Error> {
+    pub(super) fn with_scene(&self, scene: &CheckedScene, changed: &[String]) -> Result<Self, Error> {
         let gpu = self.gpu();
         // Hair of a caller's own is no scene's.
         let own = self.scene.hair.is_empty();
         let initial = if own { self.initial.clone() } else { InitialState::new(scene)? };
-        if self.last.step == 0 && self.wind_set.is_none() && !self.hair_was_set() && self.callback.is_none() && !own {
+        if self.last.step == 0
+            && self.wind_set.is_none()
+            && self.bodies_set.is_empty()
+            && !self.hair_was_set()
+            && self.callback.is_none()
+            && !own
+        {
             return Self::started(gpu, scene, initial, Origin::Validated);
         }
         let (air, origin) = (self.initial.air.clone(), self.initial.origin);
@@ -103,6 +114,9 @@ impl Simulation {
         let winds = ["air.wind", "air.gust", "air.ramp"];
         let blows_anew = changed.iter().any(|key| winds.iter().any(|wind| key.starts_with(wind)));
         let mut next = Self::build(gpu, scene, initial, Origin::Validated)?;
+        for (body, motion) in &self.bodies_set {
+            next.set_motion(*body, motion.clone())?;
+        }
         next.plan_force(self.plan.conditions.pushes.runs)?;
         let kept = self.engine.state().lasting();
         for array in next.engine.state().lasting() {
@@ -120,6 +134,7 @@ impl Simulation {
         next.keep(self)?;
         if let Some(wind) = self.wind_set.filter(|_| !blows_anew) {
             next.plan_wind(wind)?;
+            next.raise_speed(self.scene.turbulence.speed)?;
         }
         next.record_again()?;
         Ok(next)

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use glam::DQuat;
-use windswept_scene::{CheckedScene, Motion};
+use windswept_scene::{CheckedScene, Hair, Motion, Roots};
 use windswept_shaders::common::motion::Keyframe;
 
 use crate::upload::vectors::{quat, vec3};
@@ -30,21 +30,27 @@ impl Motions {
         all
     }
 
+    /// Room for keyframes: those of the scene, and of each body and the hair on it three that a caller may set.
+    pub(crate) fn room(&self, scene: &CheckedScene) -> u32 {
+        let set = (0..scene.bodies.len()).map(|body| 1 + hair_on(scene, body).count()).sum::<usize>();
+        (self.keyframes.len() + 3 * set) as u32
+    }
+
     fn append(&mut self, motion: &Motion, step: f64) -> Range<u32> {
         let first = self.keyframes.len() as u32;
         for (k, own) in motion.keyframes.iter().enumerate() {
             // After the last keyframe the pose stays: its next keyframe is itself.
             let next = motion.keyframes.get(k + 1).unwrap_or(own);
-            let ((from, before), (to, after)) = (own.pose(), next.pose());
-            let turn = after * before.conjugate();
+            let (from, to) = (own.pose(), next.pose());
+            let turn = to.rotation * from.rotation.conjugate();
             let turn = if turn.w < 0.0 { -turn } else { turn };
             let (time, span) = (own.time / step, (next.time - own.time) / step);
             self.keyframes.push(Keyframe {
-                translation: vec3(from),
+                translation: vec3(from.translation),
                 // Saturates: no run has so many steps.
                 step: time as u32,
-                rotation: quat(before),
-                displacement: vec3(to - from),
+                rotation: quat(from.rotation),
+                displacement: vec3(to.translation - from.translation),
                 fraction: time.fract() as f32,
                 turn: vec3(rotation_vector(turn)),
                 rate: if span > 0.0 { (1.0 / span) as f32 } else { 0.0 },
@@ -58,4 +64,15 @@ impl Motions {
 fn rotation_vector(turn: DQuat) -> glam::DVec3 {
     let sine = turn.xyz().length();
     if sine > 0.0 { turn.xyz() * (2.0 * sine.atan2(turn.w) / sine) } else { glam::DVec3::ZERO }
+}
+
+/// Groups of hair whose roots go where this body of the scene goes.
+pub(crate) fn hair_on(scene: &CheckedScene, body: usize) -> impl Iterator<Item = usize> {
+    let written = scene.scene();
+    let name = scene.bodies.get(body).map(|body| body.name.as_str());
+    let is_on = move |hair: &&Hair| {
+        let Some(Roots::Mesh(scalp)) = hair.as_drawn().map(|drawn| &drawn.roots) else { return false };
+        name == Some(&scalp.body) && hair.motion.keyframes.is_empty()
+    };
+    written.hair.iter().enumerate().filter(move |(_, hair)| is_on(hair)).map(|(group, _)| group)
 }

@@ -1,7 +1,7 @@
 //! Strands and segments as the shaders see them (`shaders/common/rod.wgsl`).
 
 use glam::{DQuat, DVec3};
-use windswept_scene::{CheckedScene, End, Hair, InitialState, Strands};
+use windswept_scene::{CheckedScene, End, Hair, InitialState, Pose, Strands};
 use windswept_shaders::common::rod::{
     Pin, Point, PointHistory, ROOT_HELD, ROOT_JOINT, Root, Segment, SegmentHistory, Strand, StrandHistory, TIP_HELD,
     TIP_JOINT,
@@ -18,24 +18,30 @@ const ROUNDS: u32 = 30_000;
 
 /// The motion of a strand's roots, and the centre that it turns about, in local coordinates; none of a strand of no
 /// group.
-fn motion<'a>(scene: &'a CheckedScene, initial: &InitialState, s: usize) -> Option<(usize, &'a Hair, DVec3)> {
+fn motion<'a>(scene: &'a CheckedScene, initial: &InitialState, s: usize) -> Option<(&'a Hair, DVec3)> {
     let group = *initial.hair.group.get(s)? as usize;
     let hair = scene.hair.get(group).filter(|hair| !hair.motion.keyframes.is_empty())?;
-    Some((group, hair, hair.center() - initial.origin))
+    Some((hair, hair.center() - initial.origin))
 }
 
-/// One element per strand, with the range of its points and the properties that its segments share.
+/// One element per strand, with the range of its points and the properties that its segments share. `scene` is the one
+/// that the strands started in, `motions` are those that move them now.
 #[must_use]
 pub(crate) fn strands(scene: &CheckedScene, initial: &InitialState, motions: &Motions) -> Vec<Strand> {
     let hair = &initial.hair;
     let strand = |s: usize| {
         let ends = hair.ends(s);
-        let (keyframes, center) = match motion(scene, initial, s) {
-            Some((group, _, center)) => (motions.hair[group].clone(), center),
+        let group = initial
+            .hair
+            .group
+            .get(s)
+            .and_then(|&group| scene.hair.get(group as usize).zip(motions.hair.get(group as usize)));
+        let (keyframes, center) = match group.filter(|(_, keyframes)| !keyframes.is_empty()) {
+            Some((hair, keyframes)) => (keyframes.clone(), hair.center() - initial.origin),
             None => (0..0, DVec3::ZERO),
         };
         let back =
-            motion(scene, initial, s).map_or(DQuat::IDENTITY, |(_, group, _)| group.motion.at(0.0).1.conjugate());
+            motion(scene, initial, s).map_or(DQuat::IDENTITY, |(group, _)| group.motion.at(0.0).rotation.conjugate());
         let joint = |end, bit| if end == End::Clamped { bit } else { 0 };
         let held = |point: usize, bit| if hair.inverse_mass[point] == 0.0 { bit } else { 0 };
         let points = hair.points(s);
@@ -126,8 +132,8 @@ pub(crate) fn root_targets(scene: &CheckedScene, initial: &InitialState) -> Vec<
 /// start taken out, and the rotation that takes it out.
 fn unmoved(scene: &CheckedScene, initial: &InitialState, s: usize, x: DVec3) -> (DVec3, DQuat) {
     let x = x - initial.origin;
-    let Some((_, group, center)) = motion(scene, initial, s) else { return (x, DQuat::IDENTITY) };
-    let (translation, rotation) = group.motion.at(0.0);
+    let Some((group, center)) = motion(scene, initial, s) else { return (x, DQuat::IDENTITY) };
+    let Pose { translation, rotation } = group.motion.at(0.0);
     let back = rotation.conjugate();
     (center + back * (x - center - translation), back)
 }

@@ -7,7 +7,10 @@
 //! the points before the first one inside.
 
 use glam::{DVec3, Vec3};
+use windswept_engine::Frame;
 use windswept_scene::{CheckedBody, CheckedShape};
+
+use crate::bodies::in_frame;
 
 /// Depth at which a point still counts as one of the surface \[m\]: a quarter of a hair's radius.
 const DEPTH: f64 = 1e-5;
@@ -25,9 +28,9 @@ pub(super) struct Bodies {
 }
 
 impl Bodies {
-    /// The bodies where they are at `time` \[s\].
-    pub(super) fn at(bodies: &[CheckedBody], time: f64) -> Self {
-        Self { shapes: bodies.iter().map(|body| body.at(time)).collect() }
+    /// The bodies where they are in a frame.
+    pub(super) fn of(bodies: &[CheckedBody], frame: &Frame) -> Self {
+        Self { shapes: in_frame(bodies, frame).collect() }
     }
 
     /// Keeps a hair out, whose points these are \[m\], from root to tip.

@@ -2,6 +2,11 @@ use windswept_scene::{CheckedShape, Motion, Scene, Solid};
 
 use super::*;
 
+/// A frame of these strands at `time` \[s\].
+fn shot(hair: &HairFrame, time: f64) -> Frame {
+    Frame { time, hair: hair.clone(), ..Frame::default() }
+}
+
 /// Every follower is rooted on the shape that its strands are rooted on.
 #[test]
 fn followers_are_rooted_on_the_shape() {
@@ -47,7 +52,7 @@ fn followers_are_rooted_on_the_shape() {
             assert!(off(shape, root - center) < 1e-7, "{root} is off the {shape}: {}", off(shape, root - center));
         }
         // At the start the strands are among the hairs, and every hair has its own shape.
-        let back = followers.of(&frame, 0.0).unwrap_or_else(|error| panic!("{error}"));
+        let back = followers.of(&shot(&frame, 0.0)).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(followers.start.guides.iter().filter(|guide| **guide).count(), 40);
         assert_eq!(back.positions[..frame.positions.len()], frame.positions);
         let far = back.positions.iter().zip(&followers.start.positions);
@@ -85,7 +90,7 @@ fn a_rigid_motion_moves_followers_rigidly() {
         (*x, *v) = (there.to_array(), spin.cross(there).to_array());
     }
     moved.root_frames.iter_mut().for_each(|q| *q = (turn * Quat::from_array(*q)).to_array());
-    let now = followers.of(&moved, 0.0).unwrap_or_else(|error| panic!("{error}"));
+    let now = followers.of(&shot(&moved, 0.0)).unwrap_or_else(|error| panic!("{error}"));
     let mut inside = 0;
     for (s, (guides, weights)) in followers.guides().enumerate() {
         let average: Vec3 = (0..3).map(|j| weights[j] * Vec3::from_array(roots[guides[j] as usize])).sum();
@@ -135,7 +140,7 @@ fn followers_keep_the_lengths_of_their_segments() {
     let scene = Scene::parse(text).and_then(|scene| scene.check()).unwrap_or_else(|error| panic!("{error}"));
     let followers = Followers::new(&scene, &at(0.0)).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(followers.len(), 60);
-    let of = |time: f32| followers.of(&at(time), 0.0).unwrap_or_else(|error| panic!("{error}"));
+    let of = |time: f32| followers.of(&shot(&at(time), 0.0)).unwrap_or_else(|error| panic!("{error}"));
     let lengths = |hair: &HairFrame, s: usize| -> Vec<f32> {
         points_of(hair, s).windows(2).map(|x| Vec3::from_array(x[0]).distance(Vec3::from_array(x[1]))).collect()
     };
@@ -223,7 +228,7 @@ fn hairs_are_kept_out_of_bodies() {
     // The lower half of the hair is in a wedge between two balls.
     let wedge = [-1.0, 1.0].map(|side| CheckedShape::sphere([0.0, -0.035, side * 0.0095], 0.01));
     for shapes in [vec![ball], vec![mesh], vec![capsule], wedge.to_vec()] {
-        let bodies = Bodies::at(&shapes.iter().cloned().map(body).collect::<Vec<_>>(), 0.0);
+        let bodies = Bodies::of(&shapes.iter().cloned().map(body).collect::<Vec<_>>(), &Frame::default());
         let distance = |x: [f32; 3]| {
             let all = shapes.iter().map(|shape| shape.signed_distance(Vec3::from_array(x).as_dvec3()).0);
             all.fold(f64::INFINITY, f64::min)
@@ -269,7 +274,7 @@ fn followers_stay_out_of_a_body_that_moves() {
         let within = |x: &&[f32; 3]| ball.signed_distance(Vec3::from_array(**x).as_dvec3()).0 < -2e-5;
         hair.positions.iter().filter(within).count()
     };
-    let at = |time: f64| followers.of(&hair, time).unwrap_or_else(|error| panic!("{error}"));
+    let at = |time: f64| followers.of(&shot(&hair, time)).unwrap_or_else(|error| panic!("{error}"));
     // The body is far away.
     let moved = |a: &HairFrame, b: &HairFrame| {
         let pairs = a.positions.iter().zip(&b.positions);
@@ -280,7 +285,7 @@ fn followers_stay_out_of_a_body_that_moves() {
     assert!(inside(&at(0.0), 1.0) > 20);
     assert_eq!(inside(&at(1.0), 1.0), 0);
     assert_eq!(at(1.0).positions[..40], hair.positions);
-    let frame = |time: f64| Frame { time, hair: hair.clone(), ..Frame::default() };
+    let frame = |time: f64| shot(&hair, time);
     let made = followers.frame(&frame(1.0)).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(made.hair.positions, at(1.0).positions);
 }

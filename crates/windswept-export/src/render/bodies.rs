@@ -1,8 +1,10 @@
 //! The scene's bodies as they stand in a frame.
 
+use windswept_engine::Frame;
 use windswept_scene::{CheckedScene, CheckedShape};
 
 use super::patch::{Corner, SIDES};
+use crate::bodies::in_frame;
 
 /// Points of a round body from pole to pole.
 const OUTLINE: u32 = 48;
@@ -20,9 +22,9 @@ pub(super) fn triangles(scene: &CheckedScene) -> Vec<u32> {
     all
 }
 
-/// Corners of the scene's bodies at `time` \[s\], one body after the other.
-pub(super) fn corners(scene: &CheckedScene, time: f64) -> Vec<Corner> {
-    scene.bodies.iter().flat_map(|body| corners_of(&body.at(time))).collect()
+/// Corners of the scene's bodies in a frame, one body after the other.
+pub(super) fn corners(scene: &CheckedScene, frame: &Frame) -> Vec<Corner> {
+    in_frame(&scene.bodies, frame).flat_map(|body| corners_of(&body)).collect()
 }
 
 fn corners_of(body: &CheckedShape) -> impl Iterator<Item = Corner> + use<> {

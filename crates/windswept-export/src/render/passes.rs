@@ -25,6 +25,8 @@ pub(super) struct Passes {
     frame: wgpu::Buffer,
     /// Orientation that clamps the root of each strand at the start.
     root_frames: Vec<Quat>,
+    /// The strands at the start.
+    start: HairFrame,
     grid: wgpu::Buffer,
     /// The draws, in their order.
     compute: [Compute; 4],
@@ -105,8 +107,9 @@ impl Passes {
         ];
         let ribbon = numbered([&view, &points, &colour, &radius]);
         let scenery = m.module(&pictures::SCENERY);
-        let patch = (patch::corners(scene, 0.0), patch::triangles(scene));
-        let bodies = (bodies::corners(scene, 0.0), bodies::triangles(scene));
+        let first = Frame { hair: start.clone(), ..Frame::default() };
+        let patch = (patch::corners(scene, start, &first), patch::triangles(scene));
+        let bodies = (bodies::corners(scene, &first), bodies::triangles(scene));
         Self {
             compute,
             backdrop: m.draw(&scenery, "backdrop_", &[], None, Depth::Ignored),
@@ -120,6 +123,7 @@ impl Passes {
             paths,
             frame,
             root_frames: groom.root_frames.clone(),
+            start: start.clone(),
             grid,
         }
     }
@@ -133,7 +137,7 @@ impl Passes {
         shot: &Frame,
         followers: &HairFrame,
     ) -> Result<(), GpuError> {
-        let (hair, time) = (&shot.hair, shot.time);
+        let hair = &shot.hair;
         let paths = hair.positions.iter().chain(&followers.positions);
         let paths: Vec<[f32; 4]> = paths.map(|&[x, y, z]| [x, y, z, 0.0]).collect();
         let mut frame = Vec::with_capacity(hair.positions.len());
@@ -149,9 +153,10 @@ impl Passes {
                 gpu.queue().write_buffer(&self.view, 0, bytemuck::bytes_of(view));
                 gpu.queue().write_buffer(&self.paths, 0, bytemuck::cast_slice(&paths));
                 gpu.queue().write_buffer(&self.frame, 0, bytemuck::cast_slice(&frame));
-                for (solid, corners) in
-                    [(&self.patch, patch::corners(scene, time)), (&self.bodies, bodies::corners(scene, time))]
-                {
+                for (solid, corners) in [
+                    (&self.patch, patch::corners(scene, &self.start, shot)),
+                    (&self.bodies, bodies::corners(scene, shot)),
+                ] {
                     if let Some(solid) = solid {
                         gpu.queue().write_buffer(&solid.corners, 0, bytemuck::cast_slice(&corners));
                     }

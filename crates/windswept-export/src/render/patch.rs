@@ -3,8 +3,9 @@
 use std::f64::consts::TAU;
 
 use bytemuck::{Pod, Zeroable};
-use glam::{DMat3, DVec3};
-use windswept_scene::{CheckedScene, Hair, RootPatch, RootShape};
+use glam::{DMat3, DQuat, DVec3};
+use windswept_engine::{Frame, HairFrame};
+use windswept_scene::{CheckedScene, End, Hair, RootPatch, RootShape};
 
 /// Sides of a solid of revolution: points around its axis.
 pub(super) const SIDES: u32 = 96;
@@ -19,22 +20,38 @@ pub(super) struct Corner {
     pub(super) normal: [f32; 3],
 }
 
-/// Corners of the patch of every group that is drawn at `time` \[s\], group by group.
-pub(super) fn corners(scene: &CheckedScene, time: f64) -> Vec<Corner> {
-    let of_group = |(hair, patch): (&Hair, RootPatch)| {
-        let (motion, center) = (hair.motion.clone(), hair.center());
-        let (_, turn) = motion.at(time);
+/// Corners of the patch of every group that is drawn, group by group, where the group's first root has it in a frame.
+pub(super) fn corners(scene: &CheckedScene, start: &HairFrame, frame: &Frame) -> Vec<Corner> {
+    let of_group = |(group, hair, patch): (usize, &Hair, RootPatch)| {
+        let (center, at_start, pose) = (hair.center(), hair.motion.at(0.0), hair.motion.at(frame.time));
+        let moved = (hair.root != End::Free).then(|| [root(start, group), root(&frame.hair, group)]);
+        let poses = moved.and_then(|[before, now]| Some((before?, now?)));
         corners_of(&patch).map(move |(position, normal)| {
-            let position = motion.place(center, position, time);
-            Corner { position: position.as_vec3().to_array(), normal: (turn * normal).as_vec3().to_array() }
+            let (position, normal) = match poses {
+                Some(((from, before), (to, now))) => {
+                    let turn = now * before.conjugate();
+                    (to + turn * (at_start.place(center, position) - from), turn * at_start.rotation * normal)
+                }
+                None => (pose.place(center, position), pose.rotation * normal),
+            };
+            Corner { position: position.as_vec3().to_array(), normal: normal.as_vec3().to_array() }
         })
     };
     patches(scene).flat_map(of_group).collect()
 }
 
-/// Groups whose roots are on a patch. A groom file's surface is not known, and bodies are drawn by themselves.
-pub(super) fn patches(scene: &CheckedScene) -> impl Iterator<Item = (&Hair, RootPatch)> {
-    scene.hair.iter().filter_map(|hair| Some((hair, hair.as_drawn()?.roots.patch()?)))
+/// Place \[m\] and frame of a group's first root, if the frame knows them.
+fn root(hair: &HairFrame, group: usize) -> Option<(DVec3, DQuat)> {
+    let strand = hair.groups.iter().position(|own| *own as usize == group)?;
+    let position = hair.positions.get(*hair.offsets.get(strand)? as usize)?;
+    let frame = hair.root_frames.get(strand)?;
+    Some((DVec3::from_array(position.map(f64::from)), DQuat::from_array(frame.map(f64::from))))
+}
+
+/// Groups whose roots are on a patch, with their indices. A groom file's surface is not known, and bodies are drawn by
+/// themselves.
+pub(super) fn patches(scene: &CheckedScene) -> impl Iterator<Item = (usize, &Hair, RootPatch)> {
+    scene.hair.iter().enumerate().filter_map(|(group, hair)| Some((group, hair, hair.as_drawn()?.roots.patch()?)))
 }
 
 /// Triangles of every group's patch.

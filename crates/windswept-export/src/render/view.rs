@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::dcamera::lh::view::look_to_mat4;
 use glam::dcamera::rh::{proj, view::look_at_mat4};
 use glam::{DMat4, DVec3, Vec3, Vec4};
-use windswept_scene::{Band, Camera, CheckedAir, CheckedBody, CheckedScene, Fibre, Hair, LookAt, Model};
+use windswept_scene::{Band, Camera, CheckedAir, CheckedBody, CheckedScene, Fibre, Hair, LookAt, Model, Pose};
 use windswept_shaders::pictures::common::{self as shader, FINE, GRID, Light};
 
 use super::patch::{ends, patches};
@@ -195,7 +195,7 @@ fn where_hair_goes(
 fn for_each_pose(hair: Option<&Hair>, mut pose: impl FnMut(&dyn Fn(DVec3) -> DVec3)) {
     let Some(hair) = hair else { return pose(&|x| x) };
     let center = hair.center();
-    let (by, turn) = hair.motion.at(0.0);
+    let Pose { translation: by, rotation: turn } = hair.motion.at(0.0);
     for time in std::iter::once(0.0).chain(hair.motion.keyframes.iter().map(|keyframe| keyframe.time)) {
         pose(&|x| hair.motion.place(center, center + turn.conjugate() * (x - center - by), time));
     }
@@ -203,7 +203,7 @@ fn for_each_pose(hair: Option<&Hair>, mut pose: impl FnMut(&dyn Fn(DVec3) -> DVe
 
 /// The ends of every patch at the start and at its keyframes.
 fn patch_ends(scene: &CheckedScene) -> impl Iterator<Item = DVec3> + '_ {
-    patches(scene).flat_map(|(hair, patch)| {
+    patches(scene).flat_map(|(_, hair, patch)| {
         let times = std::iter::once(0.0).chain(hair.motion.keyframes.iter().map(|keyframe| keyframe.time));
         let ends: Vec<DVec3> = ends(&patch).collect();
         times.flat_map(move |time| ends.clone().into_iter().map(move |x| hair.motion.place(hair.center(), x, time)))

@@ -49,6 +49,7 @@ pub(crate) fn frame(k: usize) -> Frame {
             vorticity: rows(7).iter().map(|row| row[0]).collect(),
             band_energy: rows(7).iter().map(|row| row[1]).collect(),
         },
+        bodies: Vec::new(),
     }
 }
 

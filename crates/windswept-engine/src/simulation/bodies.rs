@@ -1,0 +1,74 @@
+//! Bodies that a caller moves.
+
+use glam::{DQuat, DVec3};
+use windswept_scene::{Keyframe, Motion, Pose};
+
+use super::{
+    Simulation,
+    drive::{held, is_rotation},
+};
+use crate::{
+    error::{GpuError, RunError},
+    upload::motion::{Motions, hair_on},
+};
+
+impl Simulation {
+    /// Moves a body of the scene: at the end of the next step of Δt it has this pose, about its centre (a mesh's is the
+    /// origin of its file), in place of the scene's keyframes, and keeps it until it is moved again. Hair on the body,
+    /// whose roots have no keyframes of their own, goes with it. [`Self::update`] leaves the body where it was set.
+    ///
+    /// Without a velocity the body comes evenly from where it is, by less than half a turn. With one, linear \[m/s\] and
+    /// angular \[rad/s\], it comes from where that velocity has it before the step, and jumps there.
+    ///
+    /// # Errors
+    /// [`RunError::Input`] when the scene has no body of this name, the rotation has no length, or a number is not finite
+    /// or beyond 1e18; [`RunError::Gpu`].
+    pub fn set_body(&mut self, name: &str, pose: Pose, velocity: Option<[DVec3; 2]>) -> Result<(), RunError> {
+        let Some(body) = self.scene.bodies.iter().position(|body| body.name == name) else {
+            let known: Vec<_> = self.scene.bodies.iter().map(|body| body.name.as_str()).collect();
+            let known = if known.is_empty() { "there is none".to_owned() } else { known.join(", ") };
+            return Err(RunError::Input(format!("name: expected a body of the scene, found \"{name}\": {known}")));
+        };
+        if !is_rotation(&pose.rotation) {
+            return Err(RunError::Input("rotation: expected one, found numbers without a length".to_owned()));
+        }
+        let numbers = [("translation", pose.translation)].into_iter();
+        let numbers =
+            numbers.chain(velocity.into_iter().flat_map(|v| [("velocity", v[0]), ("angular velocity", v[1])]));
+        if let Some((name, x)) = numbers.into_iter().find(|(_, x)| !held(x)) {
+            let words = format!("{name}: expected finite numbers of at most 1e18, found {:?}", x.to_array());
+            return Err(RunError::Input(words));
+        }
+        let (now, step) = (self.time(), self.scene.time.step);
+        let motion = &self.scene.bodies[body].motion;
+        let (start, pose) = (motion.at(0.0), Pose { rotation: pose.rotation.normalize(), ..pose });
+        let before = match velocity {
+            None => motion.at(now),
+            Some([linear, angular]) => Pose {
+                translation: pose.translation - step * linear,
+                rotation: DQuat::from_scaled_axis(-step * angular) * pose.rotation,
+            },
+        };
+        let keyframe = |time: f64, pose: Pose| Keyframe {
+            time,
+            translation: pose.translation.to_array(),
+            rotation: pose.rotation.to_scaled_axis().to_array(),
+        };
+        // Hair on the body takes out of its motion where it was at the start.
+        let at_start = (now > 0.0).then(|| keyframe(0.0, start));
+        let keyframes = at_start.into_iter().chain([keyframe(now, before), keyframe(now + step, pose)]);
+        self.set_motion(body, Motion { keyframes: keyframes.collect() })?;
+        Ok(())
+    }
+
+    /// Gives a body and the hair on it a motion in place of the scene's.
+    pub(super) fn set_motion(&mut self, body: usize, motion: Motion) -> Result<(), GpuError> {
+        let hair: Vec<usize> = hair_on(&self.given, body).collect();
+        self.scene = self.scene.assuming(|_, values| {
+            hair.iter().for_each(|group| values.hair[*group].motion = motion.clone());
+            values.bodies[body].motion = motion.clone();
+        });
+        self.bodies_set.insert(body, motion);
+        self.engine.write_motions(&self.given, &self.initial, &Motions::new(&self.scene))
+    }
+}

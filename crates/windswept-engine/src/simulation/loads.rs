@@ -1,0 +1,86 @@
+//! Forces on hair in the last step: of the air on its points, and of strands on their clamps.
+
+use glam::{DQuat, DVec3};
+use windswept_scene::Model;
+use windswept_shaders::common::{air::Sampled, rod::StrandHistory};
+
+use super::Simulation;
+use crate::error::RunError;
+
+/// Forces on hair in the last step, substeps counted singly; zero before the first one.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct HairLoads {
+    /// Force of the air on each point, drag and lift \[N\], of all fibres that the strand stands for.
+    pub drag: Vec<[f32; 3]>,
+    /// Velocity of the air at each point, that its drag is found with \[m/s\]: in model `two-way` that of the air
+    /// particles, which the hair has slowed. Zero in the models `particles` and `none`, which know no such air.
+    pub air_velocity: Vec<[f32; 3]>,
+    /// Force of each strand on its clamp \[N\]: that of its first segment on its root, without the loads on the root
+    /// itself. Not a number where a tip is held too, which takes its share. Zero in the model `particles`.
+    pub root_force: Vec<[f32; 3]>,
+    /// Moment of each strand on its clamp, about the root \[N m\], without the inertia of the segments' own turns.
+    pub root_moment: Vec<[f32; 3]>,
+}
+
+impl Simulation {
+    /// Forces on hair in the last step.
+    ///
+    /// The force on a clamp is the sum of those of the rod on the strand's other points, which follow from the velocity
+    /// that the rod gave each of them. A sleeping strand has those of its last step awake.
+    ///
+    /// # Errors
+    /// [`RunError::Gpu`] when the device is lost.
+    pub fn hair_loads(&self) -> Result<HairLoads, RunError> {
+        let (s, hair) = (self.engine.state(), &self.initial.hair);
+        let step = f64::from(self.engine.seconds_of_step());
+        let xyz = |v: &[f32; 4]| [v[0], v[1], v[2]];
+        let impulses = self.engine.read(&s.drag_impulse)?;
+        let drag = impulses.iter().map(|impulse| xyz(impulse).map(|x| x / step as f32)).collect();
+        let felt = matches!(self.scene.interaction.model, Model::TwoWay | Model::Drag) && self.last.step > 0;
+        let mean = if felt { self.last.wind } else { [0.0; 3] };
+        let sampled: Vec<Sampled> = if felt { self.engine.read(&s.sampled)? } else { Vec::new() };
+        let air = |p| sampled.get(p).map_or(mean, |air: &Sampled| air.wind);
+        let air_velocity = (0..hair.positions.len()).map(air).collect();
+        let positions = self.engine.read(&s.position)?;
+        let history = self.engine.read(&s.point_history)?;
+        let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
+        let moved = self.last.step > 0 && self.scene.interaction.model != Model::Particles;
+        let clamp = |strand: usize| {
+            let points = hair.points(strand);
+            let [root, tip] = [points.start, points.end - 1].map(|p| hair.inverse_mass[p]);
+            let (mut force, mut moment) = (DVec3::ZERO, DVec3::ZERO);
+            if root > 0.0 || !moved {
+                return [force, moment];
+            }
+            if tip == 0.0 {
+                return [DVec3::NAN; 2];
+            }
+            let at = vector(xyz(&positions[points.start]));
+            for p in points.skip(1) {
+                let mass = 1.0 / hair.inverse_mass[p];
+                let gravity = hair.weight(p) * DVec3::from_array(self.scene.gravity);
+                let of_rod = mass * (vector(history[p].own) / step - gravity);
+                force -= of_rod;
+                moment -= (vector(xyz(&positions[p])) - at).cross(of_rod);
+            }
+            [force, moment]
+        };
+        let clamps: Vec<[DVec3; 2]> = (0..hair.len()).map(clamp).collect();
+        let [root_force, root_moment] =
+            [0, 1].map(|i| clamps.iter().map(|clamp| clamp[i].as_vec3().to_array()).collect());
+        Ok(HairLoads { drag, air_velocity, root_force, root_moment })
+    }
+
+    /// Place \[m\] and frame of the clamp of each strand now: those that [`Self::set_roots`] and keyframes move.
+    ///
+    /// # Errors
+    /// [`RunError::Gpu`] when the device is lost.
+    pub fn clamps(&self) -> Result<Vec<(DVec3, DQuat)>, RunError> {
+        let strands = self.engine.read(&self.engine.state().strand_history)?;
+        let clamp = |strand: &StrandHistory| {
+            let position = DVec3::from_array(strand.root.position.map(f64::from)) + self.initial.origin;
+            (position, DQuat::from_array(strand.root.frame.map(f64::from)))
+        };
+        Ok(strands.iter().map(clamp).collect())
+    }
+}
