@@ -44,6 +44,8 @@ impl Simulation {
         let positions = self.engine.read(&s.position)?;
         let history = self.engine.read(&s.point_history)?;
         let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
+        let pushes = self.engine.read(&s.pushed)?;
+        let pushed = |p: usize| pushes.get(p).map_or(DVec3::ZERO, |push| vector(xyz(push)));
         let moved = self.last.step > 0 && self.scene.interaction.model != Model::Particles;
         let clamp = |strand: usize| {
             let points = hair.points(strand);
@@ -59,7 +61,8 @@ impl Simulation {
             for p in points.skip(1) {
                 let mass = 1.0 / hair.inverse_mass[p];
                 let gravity = hair.weight(p) * DVec3::from_array(self.scene.gravity);
-                let of_rod = mass * (vector(history[p].own) / step - gravity);
+                let load = vector(xyz(&impulses[p])) / step + mass * hair.weight(p) * pushed(p);
+                let of_rod = mass * (vector(history[p].own) / step - gravity) - load;
                 force -= of_rod;
                 moment -= (vector(xyz(&positions[p])) - at).cross(of_rod);
             }
