@@ -119,7 +119,11 @@ fn faults_name_key_and_file() {
     for (keys, key, words) in [
         ("file = \"head.obj\"\nscale = 1", "file", "head.obj: cannot be read"),
         ("file = \"none.obj\"\nscale = 1", "file", "none.obj: expected 1 to 4194304 triangles, found 0"),
-        ("file = \"torn.obj\"\nscale = 1", "file", "torn.obj: line 4: expected a Wavefront file: face parse error"),
+        (
+            "file = \"torn.obj\"\nscale = 1",
+            "file",
+            "torn.obj: line 4: expected a Wavefront file: found the corner \"two\"",
+        ),
         (
             "file = \"beyond.obj\"\nscale = 1",
             "file",
