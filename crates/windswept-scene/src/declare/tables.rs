@@ -69,10 +69,6 @@ macro_rules! table {
                 $($crate::declare::Field::write(&self.$field, $crate::declare::name!($field $($key)?), writer);)*
             }
 
-            fn find(&self, at: &$crate::faults::At<'_>) {
-                $($crate::declare::Field::find(&self.$field, $crate::declare::name!($field $($key)?), $kind, at);)*
-            }
-
             fn check(&self, scene: &$crate::scene::Scene, at: &$crate::faults::At<'_>) -> Option<Self::Checked> {
                 $(
                     let name = $crate::declare::name!($field $($key)?);
@@ -158,13 +154,6 @@ macro_rules! table {
             fn write(&self, writer: &mut $crate::write::Writer) {
                 $($crate::declare::Field::write(&self.$field, $crate::declare::name!($field $($key)?), writer);)*
                 $($($crate::declare::Field::write(&self.$extra, $crate::declare::name!($extra $($extra_key)?), writer);)*)?
-            }
-
-            fn find(&self, at: &$crate::faults::At<'_>) {
-                $($crate::declare::Field::find(&self.$field, $crate::declare::name!($field $($key)?), $kind, at);)*
-                $($($crate::declare::Field::find(
-                    &self.$extra, $crate::declare::name!($extra $($extra_key)?), $extra_kind, at,
-                );)*)?
             }
 
             fn check(&self, scene: &$crate::scene::Scene, at: &$crate::faults::At<'_>) -> Option<Self::Checked> {
@@ -263,12 +252,6 @@ macro_rules! variants {
                         writer.word($tag, $word);
                         $crate::declare::Keys::write(inner, writer);
                     })+
-                }
-            }
-
-            fn find(&self, at: &$crate::faults::At<'_>) {
-                match self {
-                    $(Self::$variant(inner) => $crate::declare::Keys::find(inner, at)),+
                 }
             }
 
