@@ -5,8 +5,8 @@
 use windswept::export::{Provenance, VtkHdfReader, VtkHdfWriter};
 use windswept::{Checkpoint, Frame};
 use windswept_scene::{
-    Curves, DistanceGrid, Groom, GroomFile, GroomFormat, HairSource, InitialState, RestShape, Scene, SceneError, Triangles,
-    Up,
+    Curves, DistanceGrid, Groom, GroomFile, GroomFormat, HairSource, InitialState, RestShape, Scene, SceneError,
+    Triangles, Up,
 };
 
 /// A way to read bytes.

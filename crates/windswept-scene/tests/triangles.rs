@@ -594,8 +594,9 @@ fn faults_of_mesh_files_are_errors() {
         ("1 2/-3 3", "\"2/-3\" has index -3, which none of the 1 places in the texture before it has"),
         ("1 2 3//9223372036854775807", "9223372036854775807, which none of the 0 normals of the file has"),
         ("1 2 //1", "\"//1\" has index 0"),
+        ("1 two 3", "expected a Wavefront file: found the corner \"two\""),
     ] {
-        let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf {corners}\n");
+        let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf {corners}\nf 1 2\n");
         let error = Triangles::load(folder.write("index.obj", text.as_bytes())).unwrap_err().to_string();
         assert!(error.contains("line 5: ") && error.contains(named), "{error}");
     }
