@@ -20,7 +20,7 @@ use super::{
     bytes::{fault_at, put_floats},
     count32,
 };
-use crate::{error::SceneError, limits::LONGEST_PLY_HEADER};
+use crate::{document::short, error::SceneError, limits::LONGEST_PLY_HEADER};
 
 /// Elements whose numbers are kept, and the properties that these must have. A file has each of them once: the numbers
 /// of a second one would mingle with those of the first.
@@ -128,7 +128,7 @@ fn header(bytes: &[u8]) -> Result<(PlyHeader, Cow<'_, str>, usize), SceneError> 
     })?;
     let text = String::from_utf8_lossy(&bytes[..end]);
     let fault = |words: String| SceneError::new(format!("in the header: {words}"));
-    let reader = PlyReader::from_reader(text.as_bytes()).map_err(|error| fault(error.0.to_string()))?;
+    let reader = PlyReader::from_reader(text.as_bytes()).map_err(|error| fault(short(&error.0.to_string())))?;
     let header = reader.header().clone();
     for (name, properties) in KEPT {
         let mut elements = header.elem_defs.iter().filter(|element| element.name == name);
@@ -142,7 +142,7 @@ fn header(bytes: &[u8]) -> Result<(PlyHeader, Cow<'_, str>, usize), SceneError> 
     }
     // Rows without a byte have no end.
     match header.elem_defs.iter().find(|element| element.properties.is_empty()) {
-        Some(element) => Err(fault(format!("expected element {} to have a property", element.name))),
+        Some(element) => Err(fault(format!("expected element {} to have a property", short(&element.name)))),
         None => Ok((header, text, end)),
     }
 }
@@ -188,9 +188,9 @@ fn elements(header: &PlyHeader, rest: impl BufRead) -> Result<Found, String> {
         read.map_err(|error| {
             let why = match error.0.kind() {
                 ErrorKind::UnexpectedEof => "the file ends".to_owned(),
-                _ => error.0.to_string(),
+                _ => short(&error.0.to_string()),
             };
-            format!("expected before it {} rows of element {}: {why}", element.count, element.name)
+            format!("expected before it {} rows of element {}: {why}", element.count, short(&element.name))
         })?;
     }
     Ok(found)

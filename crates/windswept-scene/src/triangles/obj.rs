@@ -8,7 +8,7 @@ use std::{collections::HashSet, ops::Range, sync::Arc};
 use glam::DVec3;
 
 use super::{Part, Triangles};
-use crate::{error::SceneError, limits::MAX_TRIANGLES};
+use crate::{document::short, error::SceneError, limits::MAX_TRIANGLES};
 
 /// Most groups that a face is in: names of each part are kept, so that more would take memory without end.
 const MAX_GROUPS: usize = 64;
@@ -58,15 +58,17 @@ impl<'a> Lines<'a> {
             "v" => self.points.push(DVec3::from_array(match numbers(rest)?[..] {
                 [x, y, z] | [x, y, z, _, _, _] => [x, y, z].map(f64::from),
                 [x, y, z, w] if w != 0.0 => [x / w, y / w, z / w].map(f64::from),
-                _ => return Err(format!("expected a Wavefront file: found the point {rest:?}")),
+                _ => return Err(format!("expected a Wavefront file: found the point {:?}", short(rest))),
             })),
             "vt" => self.places.push(match numbers(rest)?[..] {
                 [u, v, ..] => [u, v],
-                _ => return Err(format!("expected a Wavefront file: found the place {rest:?} in the texture")),
+                _ => {
+                    return Err(format!("expected a Wavefront file: found the place {:?} in the texture", short(rest)));
+                }
             }),
             "vn" => self.normals.push(match numbers(rest)?[..] {
                 [x, y, z, ..] => DVec3::from_array([x, y, z].map(f64::from)).normalize_or_zero(),
-                _ => return Err(format!("expected a Wavefront file: found the normal {rest:?}")),
+                _ => return Err(format!("expected a Wavefront file: found the normal {:?}", short(rest))),
             }),
             "f" => self.face(rest)?,
             // A group is one of an object.
@@ -115,10 +117,11 @@ impl<'a> Lines<'a> {
             // A corner without a point is as wrong as one with point 0.
             let index = if word.is_empty() { Ok(0) } else { word.parse::<i64>() };
             let (Ok(index), Some((_, what))) = (index, INDEXED.get(kind)) else {
-                return Err(format!("expected a Wavefront file: found the corner {corner:?}"));
+                return Err(format!("expected a Wavefront file: found the corner {:?}", short(corner)));
             };
             let (count, whose) = if index < 0 { (before[kind], "before it") } else { (self.all[kind], "of the file") };
             if index == 0 || index.unsigned_abs() > count as u64 {
+                let corner = short(corner);
                 return Err(format!("{corner:?} has index {index}, which none of the {count} {what} {whose} has"));
             }
             indices[kind] = (if index < 0 { count as i64 + index } else { index - 1 }) as u32;
@@ -129,7 +132,7 @@ impl<'a> Lines<'a> {
 
 fn numbers(words: &str) -> Result<Vec<f32>, String> {
     let number = |word: &str| {
-        word.parse().map_err(|_| format!("expected a Wavefront file: found {word:?} in the place of a number"))
+        word.parse().map_err(|_| format!("expected a Wavefront file: found {:?} in the place of a number", short(word)))
     };
     words.split_whitespace().map(number).collect()
 }
