@@ -5,7 +5,8 @@
 use windswept::export::{Provenance, VtkHdfReader, VtkHdfWriter};
 use windswept::{Checkpoint, Frame};
 use windswept_scene::{
-    Curves, DistanceGrid, Groom, GroomFile, GroomFormat, HairSource, InitialState, RestShape, Scene, Triangles, Up,
+    Curves, DistanceGrid, Groom, GroomFile, GroomFormat, HairSource, InitialState, RestShape, Scene, SceneError,
+    Triangles, Up,
 };
 
 /// A way to read bytes.
@@ -38,13 +39,23 @@ pub fn read(name: &str, bytes: &[u8]) {
     (target.read)(bytes);
 }
 
+/// What a file holds, unless it is refused. A refusal has words, not too many of them, and a line that the file has.
+fn held<T>(read: Result<T, SceneError>) -> Option<T> {
+    read.inspect_err(|error| {
+        assert!((1..1000).contains(&error.message().len()), "{error}");
+        let lines = error.source_text().lines().count();
+        assert!(error.line().is_none_or(|line| line <= lines + 1), "{error}");
+    })
+    .ok()
+}
+
 /// Hair points and air particles of a scene or a groom that is made: more may take as long as they will.
 const FEW: f64 = 2_000.0;
 
 /// The scene of a text reads as the same scene again, and makes a state or an error.
 pub fn scene(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
-    let Ok(scene) = Scene::parse(text) else { return };
+    let Some(scene) = held(Scene::parse(text)) else { return };
     assert!(Scene::parse(scene.text()).is_ok_and(|again| again == scene), "its own text is another scene");
     let written = scene.to_toml();
     let again = Scene::parse(&written).map_err(|error| error.to_string());
@@ -132,7 +143,7 @@ pub fn film(bytes: &[u8]) {
 fn groom(extension: &str, bytes: &[u8]) {
     let format = GroomFormat::ALL.iter().find(|format| format.extension == extension).expect("a format");
     for points_per_strand in [None, Some(4)] {
-        let Ok(curves) = format.read(bytes, points_per_strand) else { continue };
+        let Some(curves) = held(format.read(bytes, points_per_strand)) else { continue };
         assert_eq!(curves.offsets.first(), Some(&0));
         assert_eq!(curves.offsets.last().map(|end| *end as usize), Some(curves.points.len()));
         assert!(curves.offsets.is_sorted() && curves.ids.len() == curves.len());
@@ -162,7 +173,7 @@ const CELLS: f64 = 12.0;
 
 /// A mesh file is refused, or holds triangles that belong together, of which a solid is made or an error.
 fn mesh(extension: &str, bytes: &[u8]) {
-    let Ok(triangles) = Triangles::read(extension, bytes) else { return };
+    let Some(triangles) = held(Triangles::read(extension, bytes)) else { return };
     assert!(triangles.corners.as_flattened().iter().all(|&corner| (corner as usize) < triangles.points.len()));
     assert!(triangles.points.iter().all(|point| point.is_finite()));
     assert!([0, triangles.corners.len()].contains(&triangles.normals.len()));

@@ -2,16 +2,19 @@
 
 mod tables;
 
+use std::sync::LazyLock;
+
 use glam::DVec3;
 use toml_edit::Value as Toml;
 
 use crate::{
     document::{Datum, Document, most_of},
+    error::SceneError,
     faults::{At, Faults},
     keys::{Fallback, Key, Kind},
     limits::{LARGEST, MAGNITUDES, SMALLEST},
     reader::Reader,
-    scene::Scene,
+    scene::{Scene, Time},
     write::Writer,
 };
 
@@ -50,9 +53,8 @@ pub(crate) trait Field: Sized {
     fn read(row: Row<Self>, reader: &Reader<'_>) -> Option<Self>;
     /// Writes the field as the key of this name.
     fn write(&self, name: &'static str, writer: &mut Writer);
-    /// Finds values that their keys do not take.
-    fn find(&self, name: &'static str, kind: Kind, at: &At<'_>);
-    /// The field in a checked scene; finds values that do not go together. `None` where a fault leaves no value.
+    /// The field in a checked scene; finds values that their keys do not take, and such as do not go together. `None`
+    /// where a fault leaves no value.
     fn check(&self, name: &'static str, kind: Kind, scene: &Scene, at: &At<'_>) -> Option<Self::Checked>;
 }
 
@@ -66,9 +68,8 @@ pub(crate) trait Keys: Sized {
     fn read(reader: &Reader<'_>) -> Option<Self>;
     /// Writes every key of the table.
     fn write(&self, writer: &mut Writer);
-    /// Finds values that their keys do not take.
-    fn find(&self, at: &At<'_>);
-    /// The table in a checked scene; finds values that do not go together.
+    /// The table in a checked scene; finds values that their keys do not take, and where there are none, such as do not
+    /// go together.
     fn check(&self, scene: &Scene, at: &At<'_>) -> Option<Self::Checked>;
 }
 
@@ -137,10 +138,6 @@ impl<T: Keys> Field for T {
         }
     }
 
-    fn find(&self, name: &'static str, _: Kind, at: &At<'_>) {
-        T::find(self, &at.table(name));
-    }
-
     fn check(&self, name: &'static str, _: Kind, scene: &Scene, at: &At<'_>) -> Option<T::Checked> {
         T::check(self, scene, &at.table(name))
     }
@@ -167,12 +164,6 @@ impl<T: Field> Field for Option<T> {
     fn write(&self, name: &'static str, writer: &mut Writer) {
         if let Some(value) = self {
             value.write(name, writer);
-        }
-    }
-
-    fn find(&self, name: &'static str, kind: Kind, at: &At<'_>) {
-        if let Some(value) = self {
-            value.find(name, kind, at);
         }
     }
 
@@ -223,14 +214,11 @@ impl<T: Keys> Field for Vec<T> {
         }
     }
 
-    fn find(&self, name: &'static str, _: Kind, at: &At<'_>) {
-        if let Some(words) = most_of(&at.path(name), self.len()) {
-            return at.fault(name, words);
-        }
-        self.iter().enumerate().for_each(|(i, table)| T::find(table, &at.table(&format!("{name}.{i}"))));
-    }
-
     fn check(&self, name: &'static str, _: Kind, scene: &Scene, at: &At<'_>) -> Option<Self::Checked> {
+        if let Some(words) = most_of(&at.path(name), self.len()) {
+            at.fault(name, words);
+            return None;
+        }
         let check = |(i, table): (usize, &T)| T::check(table, scene, &at.table(&format!("{name}.{i}")));
         let all: Vec<_> = self.iter().enumerate().map(check).collect();
         all.into_iter().collect()
@@ -255,14 +243,10 @@ macro_rules! leaves {
                 writer.pair(name, $crate::declare::Leaf::toml(self));
             }
 
-            fn find(&self, name: &'static str, kind: $crate::keys::Kind, at: &$crate::faults::At<'_>) {
-                $crate::declare::find_leaf(self, name, kind, at);
-            }
-
             fn check(
-                &self, _: &'static str, kind: $crate::keys::Kind, _: &$crate::scene::Scene, _: &$crate::faults::At<'_>,
+                &self, name: &'static str, kind: $crate::keys::Kind, _: &$crate::scene::Scene, at: &$crate::faults::At<'_>,
             ) -> Option<Self> {
-                Some($crate::declare::Leaf::as_checked(self, kind))
+                $crate::declare::check_leaf(self, name, kind, at)
             }
         }
     )+};
@@ -285,11 +269,21 @@ pub(crate) fn read_leaf<T: Leaf>(row: Row<T>, reader: &Reader<'_>) -> Option<T> 
     row.default.value(reader.published())
 }
 
-pub(crate) fn find_leaf<T: Leaf + std::fmt::Debug>(value: &T, name: &str, kind: Kind, at: &At<'_>) {
-    if !value.fits(kind) {
-        let of = if value.is_number() { format!(", of magnitude {SMALLEST:e} to {LARGEST:e}") } else { String::new() };
-        at.fault(name, format!("expected {}{of}, found {value:?}", kind.expected()));
+pub(crate) fn check_leaf<T: Leaf + std::fmt::Debug>(value: &T, name: &str, kind: Kind, at: &At<'_>) -> Option<T> {
+    if value.fits(kind) {
+        return Some(value.as_checked(kind));
     }
+    let of = if value.is_number() { format!(", of magnitude {SMALLEST:e} to {LARGEST:e}") } else { String::new() };
+    at.fault(name, format!("expected {}{of}, found {value:?}", kind.expected()));
+    None
+}
+
+/// Faults of a table that was made in code, by itself.
+pub(crate) fn faults_of<T: Keys>(table: &T) -> Vec<SceneError> {
+    static EMPTY: LazyLock<Scene> = LazyLock::new(|| Scene::new(Time::new(1.0, 1.0)));
+    let faults = Faults::default();
+    T::check(table, &EMPTY, &faults.root());
+    faults.into_vec()
 }
 
 /// The struct of a table of which every key has a default.

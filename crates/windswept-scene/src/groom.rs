@@ -5,9 +5,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     curves::Curves,
-    declare::{Keys, words},
+    declare::{faults_of, words},
     error::SceneError,
-    faults::Faults,
     inverse_statics::Hung,
     limits::{LARGEST, MAGNITUDES, MAX_CURVE_POINTS, MAX_HAIR_POINTS, MAX_POINTS_OF_A_STRAND},
     scene::{CLAMPED_TIP, FRICTION, Fibre, SceneValues, Solver},
@@ -283,10 +282,7 @@ impl Groom {
         self.fibre.check("fibre", self.len(), "", |_| true)?;
         for (s, fibre) in self.fibre.values().iter().enumerate() {
             let of = self.fibre.of(s);
-            let faults = Faults::default();
-            Keys::find(fibre, &faults.root());
-            fibre.check(&faults.root());
-            if let Some(found) = faults.into_vec().first() {
+            if let Some(found) = faults_of(fibre).first() {
                 return Err(fault(found.key().unwrap_or_default(), format!("{}{of}", found.message())));
             }
         }

@@ -20,8 +20,7 @@ pub const STRAND_MAGNITUDES: RangeInclusive<f64> = 1e-30..=1e30;
 pub const LARGEST_SCENE_FILE: u64 = 1 << 20;
 /// Largest groom or mesh file \[bytes\]: [`MAX_HAIR_POINTS`] of 60 bytes each.
 pub const LARGEST_DATA_FILE: u64 = 1_000_000_000;
-/// Largest `.obj` file \[bytes\]: half a million points with normals, places and triangles. It takes three times its
-/// length while it is read.
+/// Largest `.obj` file \[bytes\]: half a million points with normals, places and triangles.
 pub const LARGEST_OBJ_FILE: u64 = 100_000_000;
 /// Longest header of a `.ply` file \[bytes\]: a thousand times those that programs write.
 pub const LONGEST_PLY_HEADER: u64 = 1_000_000;

@@ -121,8 +121,7 @@ impl Scene {
     /// The checked values, or all faults.
     fn faults(&self) -> Result<SceneValues, Vec<SceneError>> {
         let faults = Faults::default();
-        Keys::find(self, &faults.root());
-        let values = if faults.is_empty() { Keys::check(self, self, &faults.root()) } else { None };
+        let values = Keys::check(self, self, &faults.root());
         values.filter(|_| faults.is_empty()).ok_or_else(|| faults.into_vec())
     }
 
@@ -308,16 +307,9 @@ impl Source {
         faults: Vec<SceneError>,
         found: impl Fn(&str) -> Vec<SceneError>,
     ) -> SceneError {
-        let (given, sets) = &self.given;
+        let sets = &self.given.1;
         // Faults of the text before each assignment; the text after the last one is that of `faults`.
-        let mut text = given.clone();
-        let known: Vec<_> = sets
-            .iter()
-            .map(|assignment| {
-                let after = assign::set(&text, assignment).unwrap_or_else(|_| text.clone());
-                found(&std::mem::replace(&mut text, after))
-            })
-            .collect();
+        let known: Vec<_> = self.texts().iter().take(sets.len()).map(|text| found(text)).collect();
         let located = faults.into_iter().map(|fault| {
             let same = |other: &SceneError| (other.key(), other.message()) == (fault.key(), fault.message());
             let first = known.iter().position(|faults| faults.iter().any(same)).unwrap_or(known.len());
@@ -333,23 +325,24 @@ impl Source {
     /// The assignment that gave the key of this real path its value; where the text does not spell it, that of the file
     /// in its table, which asks for it.
     fn assigned(&self, key: &str) -> Option<&String> {
-        let (given, sets) = &self.given;
         let file = key.rsplit_once('.').map(|(table, _)| format!("{table}.file"));
-        let spelled = |text: &str| {
+        let spelled = |text: &String| {
             let entries = Document::parse(text, None, &Faults::default()).unwrap_or_default().entries;
             let of = |key: &str| entries.get(key).map(|entry| entry.datum.clone());
             of(key).or_else(|| of(file.as_deref()?))
         };
-        let (mut text, mut guilty) = (given.clone(), None);
-        let mut before = spelled(&text);
-        for assignment in sets {
-            text = assign::set(&text, assignment).ok()?;
-            let after = spelled(&text);
-            if after != before {
-                (guilty, before) = (Some(assignment), after);
-            }
-        }
-        guilty
+        let values: Vec<_> = self.texts().iter().map(spelled).collect();
+        values.windows(2).zip(&self.given.1).rfind(|(pair, _)| pair[0] != pair[1]).map(|(_, assignment)| assignment)
+    }
+
+    /// The text before all assignments, and after each.
+    fn texts(&self) -> Vec<String> {
+        let (given, sets) = &self.given;
+        let after = sets.iter().scan(given.clone(), |text, assignment| {
+            *text = assign::set(text, assignment).unwrap_or_else(|_| text.clone());
+            Some(text.clone())
+        });
+        std::iter::once(given.clone()).chain(after).collect()
     }
 }
 

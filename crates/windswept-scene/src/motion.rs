@@ -120,12 +120,9 @@ impl Field for Motion {
         self.keyframes.write(name, writer);
     }
 
-    fn find(&self, name: &'static str, kind: Kind, at: &At<'_>) {
-        self.keyframes.find(name, kind, at);
-    }
-
     /// Times must rise, and turns must be less than half a turn.
-    fn check(&self, name: &'static str, _: Kind, _: &Scene, at: &At<'_>) -> Option<Self> {
+    fn check(&self, name: &'static str, kind: Kind, scene: &Scene, at: &At<'_>) -> Option<Self> {
+        let keyframes = self.keyframes.check(name, kind, scene, at)?;
         at.rising(name, self.keyframes.iter().map(|keyframe| keyframe.time));
         let turn =
             |pair: &[Keyframe]| DVec3::from_array(pair[1].rotation).distance(DVec3::from_array(pair[0].rotation));
@@ -137,6 +134,6 @@ impl Field for Motion {
             );
             at.fault(&format!("{name}.{}.rotation", i + 1), words);
         }
-        Some(self.clone())
+        Some(Self { keyframes })
     }
 }

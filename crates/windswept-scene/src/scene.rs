@@ -146,8 +146,6 @@ impl Field for Source {
 
     fn write(&self, _: &'static str, _: &mut Writer) {}
 
-    fn find(&self, _: &'static str, _: Kind, _: &At<'_>) {}
-
     fn check(&self, _: &'static str, _: Kind, _: &Scene, _: &At<'_>) -> Option<()> {
         Some(())
     }

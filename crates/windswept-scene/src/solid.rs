@@ -73,8 +73,6 @@ impl Field for Solid {
 
     fn write(&self, _: &'static str, _: &mut Writer) {}
 
-    fn find(&self, _: &'static str, _: Kind, _: &At<'_>) {}
-
     fn check(&self, _: &'static str, _: Kind, _: &Scene, _: &At<'_>) -> Option<Self> {
         Some(self.clone())
     }

@@ -47,19 +47,6 @@ proptest! {
         }
     }
 
-    /// The example with a piece of it replaced.
-    #[test]
-    fn a_mutated_example(piece in ".{0,30}", at in 0..QUICK.len(), length in 0..40_usize) {
-        let mut text = QUICK.as_bytes().to_vec();
-        let end = (at + length).min(text.len());
-        text.splice(at..end, piece.bytes());
-        let text = String::from_utf8_lossy(&text);
-        match Scene::parse(&text) {
-            Ok(scene) => prop_assert_eq!(Scene::parse(&scene.to_toml()).unwrap(), scene),
-            Err(error) => prop_assert!(error.line().is_none_or(|line| line <= text.lines().count() + 1), "{error}"),
-        }
-    }
-
     #[test]
     fn any_assignment(set in "(time|hair|air|rods|fluid)?[a-z._0-9\"]{0,20}=.{0,12}") {
         let _ = common::parse_with("quick.toml", QUICK, &[set]).map_err(|error| error.to_string());

@@ -49,27 +49,6 @@ impl<'a> Bytes<'a> {
         self.array(what).map(u32::from_le_bytes)
     }
 
-    /// The bytes before the next `end`, which is passed; `None` where there is none.
-    pub(super) fn until(&mut self, end: u8) -> Option<&'a [u8]> {
-        let rest = &self.all[self.at..];
-        let length = rest.iter().position(|byte| *byte == end)?;
-        self.at += length + 1;
-        Some(&rest[..length])
-    }
-
-    pub(super) fn skip_space(&mut self) {
-        self.at += self.all[self.at..].iter().take_while(|byte| byte.is_ascii_whitespace()).count();
-    }
-
-    /// The next word of a text; empty at the end of the file.
-    pub(super) fn word(&mut self) -> &'a [u8] {
-        self.skip_space();
-        let rest = &self.all[self.at..];
-        let length = rest.iter().take_while(|byte| !byte.is_ascii_whitespace()).count();
-        self.at += length;
-        &rest[..length]
-    }
-
     /// Whether the file ends here, as it must.
     pub(super) fn end(&self) -> Result<(), SceneError> {
         let rest = self.all.len() - self.at;

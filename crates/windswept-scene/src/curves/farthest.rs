@@ -1,99 +1,43 @@
 //! Points that are far from one another.
 
+use std::{cmp::Reverse, collections::BinaryHeap};
+
 use glam::DVec3;
+use rstar::{RTree, primitives::GeomWithData};
 
-/// Most points of a box that is not divided: about as long to look at as the boxes that they would be divided into.
-const UNDIVIDED: usize = 16;
+use super::is_finite;
 
-/// Indices of `count` points, each the farthest from those before it, from `first` on; of several the first.
+/// Indices of `count` points, each the farthest from those before it, from `first` on; of several the first. A point
+/// that is not finite is infinitely far from all others.
 ///
-/// A point that is taken is looked at beside the points of those boxes only in which it is nearer to some than all
-/// before it.
+/// The next point is as far from those before it as no other is: it is nearer than these only to points within that
+/// distance.
 pub(super) fn farthest(points: &[DVec3], count: usize, first: usize) -> Vec<usize> {
-    let seats = points.iter().enumerate().map(|(index, point)| Seat { index, point: *point, distance: f64::INFINITY });
-    let mut all = Part::new(&mut seats.collect::<Vec<_>>());
+    let places = points.iter().map(DVec3::to_array).enumerate().filter(|(_, place)| is_finite(place));
+    let tree = RTree::bulk_load(places.map(|(i, place)| GeomWithData::new(place, i)).collect());
+    // Squares of the distances to the nearest point that was taken; -1 once the point itself is.
+    let mut distances = vec![f64::INFINITY; points.len()];
+    // Bits of numbers of at least 0 have the order of the numbers.
+    let seat = |i: usize, distance: f64| (distance.to_bits(), Reverse(i));
+    let mut queue: BinaryHeap<_> = (0..points.len()).map(|i| seat(i, f64::INFINITY)).collect();
     let mut taken = vec![first];
     while taken.len() < count {
         let last = taken[taken.len() - 1];
-        all.take(last, points[last]);
-        taken.push(all.best.0);
+        let reach = std::mem::replace(&mut distances[last], -1.0);
+        let place = Some(points[last].to_array()).filter(is_finite);
+        for near in place.into_iter().flat_map(|place| tree.locate_within_distance(place, reach)) {
+            let (i, distance) = (near.data, points[near.data].distance_squared(points[last]));
+            if distance < distances[i] {
+                distances[i] = distance;
+                queue.push(seat(i, distance));
+            }
+        }
+        // A point that came nearer is in the queue with its former distances too.
+        let is_current = |entry: &(u64, Reverse<usize>)| entry.0 == distances[entry.1.0].to_bits();
+        let Some((_, Reverse(next))) = std::iter::from_fn(|| queue.pop()).find(is_current) else { break };
+        taken.push(next);
     }
     taken
-}
-
-/// A point.
-#[derive(Debug, Clone, Copy)]
-struct Seat {
-    index: usize,
-    point: DVec3,
-    /// Square of the distance to the nearest point that was taken; -1 once the point itself is.
-    distance: f64,
-}
-
-/// Some of the points, and the box about them.
-#[derive(Debug)]
-struct Part {
-    low: DVec3,
-    high: DVec3,
-    /// Index of the point that is farthest from those taken, and the square of its distance.
-    best: (usize, f64),
-    content: Content,
-}
-
-#[derive(Debug)]
-enum Content {
-    Points(Vec<Seat>),
-    Halves(Box<[Part; 2]>),
-}
-
-impl Part {
-    fn new(seats: &mut [Seat]) -> Self {
-        // A coordinate that is no number is beside every box: no distance to it is one.
-        let (mut low, mut high) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-        for seat in &*seats {
-            (low, high) = (seat.point.min(low), seat.point.max(high));
-        }
-        let content = if seats.len() <= UNDIVIDED {
-            Content::Points(seats.to_vec())
-        } else {
-            let axis = (high - low).max_position();
-            let middle = seats.len() / 2;
-            seats.select_nth_unstable_by(middle, |a, b| a.point[axis].total_cmp(&b.point[axis]));
-            let (lower, upper) = seats.split_at_mut(middle);
-            Content::Halves(Box::new([Self::new(lower), Self::new(upper)]))
-        };
-        let mut part = Self { low, high, best: (0, -1.0), content };
-        part.find_best();
-        part
-    }
-
-    /// Takes point `last`, which is at `place`: all points know how far they are from it, and it is never the best
-    /// again.
-    fn take(&mut self, last: usize, place: DVec3) {
-        // Rounding keeps the order of distances: no point of the box is nearer than the box.
-        let gap = (self.low - place).max(place - self.high).max(DVec3::ZERO).length_squared();
-        if gap >= self.best.1 && self.best.0 != last {
-            return;
-        }
-        match &mut self.content {
-            Content::Points(seats) => {
-                for seat in seats {
-                    let distance = seat.distance.min(seat.point.distance_squared(place));
-                    seat.distance = if seat.index == last { -1.0 } else { distance };
-                }
-            }
-            Content::Halves(halves) => halves.iter_mut().for_each(|half| half.take(last, place)),
-        }
-        self.find_best();
-    }
-
-    fn find_best(&mut self) {
-        let farther = |a: (usize, f64), b: (usize, f64)| if b.1 > a.1 || (b.1 == a.1 && b.0 < a.0) { b } else { a };
-        self.best = match &self.content {
-            Content::Points(seats) => seats.iter().map(|seat| (seat.index, seat.distance)).fold((0, -1.0), farther),
-            Content::Halves(halves) => farther(halves[0].best, halves[1].best),
-        };
-    }
 }
 
 #[cfg(test)]

@@ -9,9 +9,8 @@ use rand_pcg::Pcg64;
 
 use super::{Curves, farthest::farthest, is_finite};
 use crate::{
-    declare::Keys,
+    declare::faults_of,
     error::SceneError,
-    faults::Faults,
     groom::{COINCIDENT, Groom, PerStrand},
     limits::{MAX_CURVE_POINTS, MAX_HAIR_POINTS, MAX_POINTS_OF_A_STRAND},
     scene::{GroomFile, Up},
@@ -338,7 +337,8 @@ impl GroomFile {
 
     /// All curves of the file, in metres and Y up, and what the metres per unit were.
     fn loaded(&self) -> Result<(Curves, f64), SceneError> {
-        self.checked_in_code()?;
+        // The struct may be made in code.
+        SceneError::of_all(faults_of(self)).map_or(Ok(()), Err)?;
         let curves = Curves::load(&self.file, self.points_per_strand)?;
         let fault = |words: String| SceneError::new(words).of(&self.file, "");
         let Some(scale) = self.scale.or(curves.unit) else {
@@ -357,13 +357,6 @@ impl GroomFile {
         let (all, _) = self.curves(seed)?;
         let follow = all.follow();
         Ok((all.simulated(), follow.then_some(all)))
-    }
-
-    /// Whether the numbers are such as their keys take, in a struct that was made in code.
-    fn checked_in_code(&self) -> Result<(), SceneError> {
-        let faults = Faults::default();
-        Keys::find(self, &faults.root());
-        SceneError::of_all(faults.into_vec()).map_or(Ok(()), Err)
     }
 
     /// The curves with as many strands and points as asked for, without those that cannot be simulated, and what a user

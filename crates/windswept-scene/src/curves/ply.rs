@@ -3,309 +3,197 @@
 //!
 //! Source: Greg Turk's "The PLY polygon file format"; hairutil, `src/io/ply.cpp`.
 
-use std::borrow::Cow;
+use std::{
+    borrow::Cow,
+    fmt,
+    io::{BufRead, ErrorKind, Read},
+};
+
+use serde::{
+    Deserialize, Deserializer,
+    de::{SeqAccess, Visitor},
+};
+use serde_ply::{PlyFormat, PlyHeader, PlyReader};
 
 use super::{
     Curves,
-    bytes::{Bytes, fault_at, put_floats},
+    bytes::{fault_at, put_floats},
+    count32,
 };
-use crate::{error::SceneError, limits::LONGEST_PLY_HEADER};
+use crate::{document::short, error::SceneError, limits::LONGEST_PLY_HEADER};
 
-/// Encoding of the numbers.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Encoding {
-    Ascii,
-    Little,
-    Big,
+/// Elements whose numbers are kept, and the properties that these must have. A file has each of them once: the numbers
+/// of a second one would mingle with those of the first.
+const KEPT: [(&str, &[&str]); 3] = [("vertex", &["x", "y", "z"]), ("strand", &["nsegs"]), ("face", &[])];
+
+/// A row of the element `vertex`.
+#[derive(Deserialize, Default)]
+#[serde(default)]
+struct Vertex {
+    x: f64,
+    y: f64,
+    z: f64,
+    thickness: Option<f64>,
+    nx: Option<f64>,
+    ny: Option<f64>,
+    nz: Option<f64>,
+    // Names that writers give to a vertex's place in a texture.
+    s: Option<f64>,
+    t: Option<f64>,
+    u: Option<f64>,
+    v: Option<f64>,
+    texture_u: Option<f64>,
+    texture_v: Option<f64>,
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Scalar {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    F32,
-    F64,
+/// A row of the element `strand`.
+#[derive(Deserialize)]
+struct Strand {
+    nsegs: u32,
 }
 
-impl Scalar {
-    fn named(name: &str) -> Option<Self> {
-        Some(match name {
-            "char" | "int8" => Self::I8,
-            "uchar" | "uint8" => Self::U8,
-            "short" | "int16" => Self::I16,
-            "ushort" | "uint16" => Self::U16,
-            "int" | "int32" => Self::I32,
-            "uint" | "uint32" => Self::U32,
-            "float" | "float32" => Self::F32,
-            "double" | "float64" => Self::F64,
-            _ => return None,
-        })
+/// A row of the element `face`.
+#[derive(Deserialize, Default)]
+#[serde(default)]
+struct Face {
+    #[serde(alias = "vertex_index")]
+    vertex_indices: Vec<u32>,
+}
+
+/// A row of another element.
+#[derive(Deserialize)]
+struct Other {}
+
+/// The rows of the element `vertex`; lists of what the file does not have are empty.
+#[derive(Default)]
+struct Vertices {
+    points: Vec<[f64; 3]>,
+    thickness: Vec<f64>,
+    normals: Vec<[f64; 3]>,
+    /// Places in a texture.
+    places: Vec<[f64; 2]>,
+}
+
+impl<'de> Deserialize<'de> for Vertices {
+    fn deserialize<D: Deserializer<'de>>(rows: D) -> Result<Self, D::Error> {
+        rows.deserialize_seq(Self::default())
+    }
+}
+
+impl<'de> Visitor<'de> for Vertices {
+    type Value = Self;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("vertices")
     }
 
-    /// Length \[bytes\].
-    fn size(self) -> usize {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::F64 => 8,
+    fn visit_seq<A: SeqAccess<'de>>(mut self, mut rows: A) -> Result<Self, A::Error> {
+        while let Some(row) = rows.next_element::<Vertex>()? {
+            self.points.push([row.x, row.y, row.z]);
+            self.thickness.extend(row.thickness);
+            if let (Some(x), Some(y), Some(z)) = (row.nx, row.ny, row.nz) {
+                self.normals.push([x, y, z]);
+            }
+            let pairs = [(row.s, row.t), (row.u, row.v), (row.texture_u, row.texture_v)];
+            self.places.extend(pairs.into_iter().find_map(|(u, v)| Some([u?, v?])));
         }
+        Ok(self)
     }
 }
-
-struct Property {
-    name: String,
-    scalar: Scalar,
-    /// Kind of the number of them, where there are many.
-    many: Option<Scalar>,
-}
-
-/// Elements whose numbers are kept. A file has each of them once: the numbers of a second one would mingle with those
-/// of the first.
-const KEPT: [&str; 3] = ["vertex", "strand", "face"];
-
-struct Element {
-    name: String,
-    count: u64,
-    properties: Vec<Property>,
-}
-
-impl Element {
-    /// Place of the property of this name.
-    fn property(&self, name: &str) -> Option<usize> {
-        self.properties.iter().position(|property| property.name == name && property.many.is_none())
-    }
-
-    /// Least number of bytes that one of them takes.
-    fn least(&self, encoding: Encoding) -> usize {
-        match encoding {
-            // A digit and a space each; the last of all may lack the space.
-            Encoding::Ascii => (2 * self.properties.len()).saturating_sub(1),
-            _ => self.properties.iter().map(|property| property.many.unwrap_or(property.scalar).size()).sum(),
-        }
-    }
-}
-
-/// A line of the header, without the end. Comments may be of any encoding; words that matter are of ASCII.
-fn line<'a>(bytes: &mut Bytes<'a>) -> Result<Cow<'a, str>, SceneError> {
-    let at = bytes.at();
-    let line = bytes.until(b'\n').filter(|_| bytes.at() as u64 <= LONGEST_PLY_HEADER).ok_or_else(|| {
-        let words = "expected a line of a header that ends in end_header";
-        fault_at(at, format!("{words}, within {LONGEST_PLY_HEADER} bytes"))
-    })?;
-    Ok(String::from_utf8_lossy(line.trim_ascii()))
-}
-
-/// Checks the header of a file that begins with these bytes, which are [`LONGEST_PLY_HEADER`] or all.
-pub(super) fn check_header(start: &[u8]) -> Result<(), SceneError> {
-    header(&mut Bytes::new(start)).map(drop)
-}
-
-fn header(bytes: &mut Bytes<'_>) -> Result<(Encoding, Vec<Element>), SceneError> {
-    if line(bytes)? != "ply" {
-        return Err(fault_at(0, "expected the word ply"));
-    }
-    let (mut encoding, mut elements) = (None, Vec::<Element>::new());
-    loop {
-        let at = bytes.at();
-        let line = line(bytes)?;
-        let words: Vec<&str> = line.split_whitespace().collect();
-        let scalar = |name: &str| {
-            Scalar::named(name).ok_or_else(|| fault_at(at, format!("expected a type of numbers, found {name:?}")))
-        };
-        let property = match words[..] {
-            ["end_header"] => break,
-            [] | ["comment" | "obj_info", ..] => continue,
-            ["format", name, _] => {
-                encoding = Some(match name {
-                    "ascii" => Encoding::Ascii,
-                    "binary_little_endian" => Encoding::Little,
-                    "binary_big_endian" => Encoding::Big,
-                    _ => return Err(fault_at(at, format!("expected a format, found {name:?}"))),
-                });
-                continue;
-            }
-            ["element", name, count] => {
-                let count =
-                    count.parse().map_err(|_| fault_at(at, format!("expected a number of {name}, found {count:?}")))?;
-                if KEPT.contains(&name) && elements.iter().any(|element| element.name == name) {
-                    return Err(fault_at(at, format!("expected one element {name}, found a second")));
-                }
-                elements.push(Element { name: name.to_owned(), count, properties: Vec::new() });
-                continue;
-            }
-            ["property", "list", many, kind, name] => {
-                Property { name: name.to_owned(), scalar: scalar(kind)?, many: Some(scalar(many)?) }
-            }
-            ["property", kind, name] => Property { name: name.to_owned(), scalar: scalar(kind)?, many: None },
-            _ => {
-                let words = "expected format, element, property, comment or end_header";
-                return Err(fault_at(at, words));
-            }
-        };
-        let Some(element) = elements.last_mut() else {
-            return Err(fault_at(at, "expected an element before its properties"));
-        };
-        element.properties.push(property);
-    }
-    let encoding = encoding.ok_or_else(|| fault_at(bytes.at(), "expected a format in the header"))?;
-    Ok((encoding, elements))
-}
-
-/// The next number.
-fn number(bytes: &mut Bytes<'_>, encoding: Encoding, scalar: Scalar) -> Result<f64, SceneError> {
-    fn of<const N: usize>(bytes: &mut Bytes<'_>, encoding: Encoding) -> Result<[u8; N], SceneError> {
-        let mut taken = bytes.array("a number")?;
-        if encoding == Encoding::Big {
-            taken.reverse();
-        }
-        Ok(taken)
-    }
-    if encoding == Encoding::Ascii {
-        let word = bytes.word();
-        let number = std::str::from_utf8(word).ok().and_then(|word| word.parse().ok());
-        return number.ok_or_else(|| {
-            let found = String::from_utf8_lossy(&word[..word.len().min(20)]);
-            fault_at(bytes.at() - word.len(), format!("expected a number, found {found:?}"))
-        });
-    }
-    Ok(match scalar {
-        Scalar::I8 => i8::from_le_bytes(of(bytes, encoding)?).into(),
-        Scalar::U8 => u8::from_le_bytes(of(bytes, encoding)?).into(),
-        Scalar::I16 => i16::from_le_bytes(of(bytes, encoding)?).into(),
-        Scalar::U16 => u16::from_le_bytes(of(bytes, encoding)?).into(),
-        Scalar::I32 => i32::from_le_bytes(of(bytes, encoding)?).into(),
-        Scalar::U32 => u32::from_le_bytes(of(bytes, encoding)?).into(),
-        Scalar::F32 => f32::from_le_bytes(of(bytes, encoding)?).into(),
-        Scalar::F64 => f64::from_le_bytes(of(bytes, encoding)?),
-    })
-}
-
-/// Names that writers give to a vertex's place in a texture.
-const PLACES: [[&str; 2]; 3] = [["s", "t"], ["u", "v"], ["texture_u", "texture_v"]];
 
 /// Data in a file of a groom, or of a surface.
 #[derive(Default)]
 struct Found {
-    points: Option<Vec<[f64; 3]>>,
-    thickness: Vec<f64>,
-    /// Points of each strand.
-    counts: Option<Vec<u32>>,
-    /// Indices of the points of each polygon.
-    polygons: Vec<Vec<u32>>,
-    /// Normals of the points, and their places in a texture; empty where the file has none.
-    normals: Vec<[f64; 3]>,
-    places: Vec<[f64; 2]>,
+    vertices: Vertices,
+    strands: Option<Vec<Strand>>,
+    faces: Vec<Face>,
+    /// Byte at which the header ends.
+    at: usize,
 }
 
-impl Found {
-    /// Reads an element, and keeps what it has of a groom or of a surface.
-    fn read(&mut self, element: &Element, bytes: &mut Bytes<'_>, encoding: Encoding) -> Result<(), SceneError> {
-        let (name, count) = (&element.name, element.count);
-        let at = bytes.at();
-        // The last number of a text may end with the file.
-        let short = usize::from(encoding == Encoding::Ascii && !element.properties.is_empty());
-        bytes.has(
-            count.saturating_mul((element.least(encoding) + short) as u64).saturating_sub(short as u64),
-            1,
-            name,
-        )?;
-        if element.properties.is_empty() {
-            return Ok(());
+/// The header, and its text. Comments may be of any encoding; words that matter are of ASCII.
+fn header(bytes: &[u8]) -> Result<(PlyHeader, Cow<'_, str>, usize), SceneError> {
+    if !bytes.starts_with(b"ply") {
+        return Err(fault_at(0, "expected the word ply"));
+    }
+    let start = &bytes[..bytes.len().min(LONGEST_PLY_HEADER as usize)];
+    let mut lines = start.split_inclusive(|byte| *byte == b'\n').scan(0, |end, line| {
+        *end += line.len();
+        Some((line, *end))
+    });
+    let last = lines.find(|(line, _)| line.trim_ascii() == b"end_header" && line.ends_with(b"\n"));
+    let (_, end) = last.ok_or_else(|| {
+        let words = "expected a line of a header that ends in end_header";
+        fault_at(start.len(), format!("{words}, within {LONGEST_PLY_HEADER} bytes"))
+    })?;
+    let text = String::from_utf8_lossy(&bytes[..end]);
+    let fault = |words: String| SceneError::new(format!("in the header: {words}"));
+    let reader = PlyReader::from_reader(text.as_bytes()).map_err(|error| fault(short(&error.0.to_string())))?;
+    let header = reader.header().clone();
+    for (name, properties) in KEPT {
+        let mut elements = header.elem_defs.iter().filter(|element| element.name == name);
+        let Some(element) = elements.next() else { continue };
+        if elements.next().is_some() {
+            return Err(fault(format!("expected one element {name}, found a second")));
         }
-        let place = |property: &str| {
-            let words = || fault_at(at, format!("expected element {name} to have a property {property}"));
-            element.property(property).ok_or_else(words)
-        };
-        let axes = if name == "vertex" { Some([place("x")?, place("y")?, place("z")?]) } else { None };
-        let of_vertex = |name: &str| element.property(name).filter(|_| axes.is_some());
-        let thickness = of_vertex("thickness");
-        let normal = [of_vertex("nx"), of_vertex("ny"), of_vertex("nz")];
-        let normal = if let [Some(x), Some(y), Some(z)] = normal { Some([x, y, z]) } else { None };
-        let texture = PLACES.iter().find_map(|[u, v]| Some([of_vertex(u)?, of_vertex(v)?]));
-        let segments = if name == "strand" { Some(place("nsegs")?) } else { None };
-        let polygon = |property: &Property| {
-            name == "face" && ["vertex_indices", "vertex_index"].contains(&property.name.as_str())
-        };
-        let room = if axes.is_some() || segments.is_some() { count as usize } else { 0 };
-        let mut points = Vec::with_capacity(if axes.is_some() { room } else { 0 });
-        let mut counts = Vec::new();
-        let mut row = vec![0.0; element.properties.len()];
-        for _ in 0..count {
-            for (property, value) in element.properties.iter().zip(&mut row) {
-                match property.many {
-                    None => *value = number(bytes, encoding, property.scalar)?,
-                    Some(many) => {
-                        let at = bytes.at();
-                        let n = number(bytes, encoding, many)?;
-                        if n.is_nan() || n < 0.0 {
-                            return Err(fault_at(at, format!("expected the length of a list, found {n}")));
-                        }
-                        let mut list = Vec::new();
-                        for _ in 0..n as u64 {
-                            let index = number(bytes, encoding, property.scalar)?;
-                            if polygon(property) {
-                                list.push(index32(index).ok_or_else(|| {
-                                    fault_at(
-                                        bytes.at(),
-                                        format!("expected before it the index of a vertex, found {index}"),
-                                    )
-                                })?);
-                            }
-                        }
-                        if polygon(property) {
-                            self.polygons.push(list);
-                        }
-                    }
-                }
-            }
-            if let Some(axes) = axes {
-                points.push(axes.map(|axis| row[axis]));
-                self.thickness.extend(thickness.map(|place| row[place]));
-                self.normals.extend(normal.map(|axes| axes.map(|axis| row[axis])));
-                self.places.extend(texture.map(|pair| pair.map(|place| row[place])));
-            }
-            if let Some(segments) = segments {
-                let segments = row[segments];
-                let segments = index32(segments).ok_or_else(|| {
-                    fault_at(bytes.at(), format!("expected before it nsegs of at least 0, found {segments}"))
-                })?;
-                counts.push(segments + 1);
-            }
+        if let Some(lacks) = properties.iter().find(|property| !element.has_property(property)) {
+            return Err(fault(format!("expected element {name} to have a property {lacks}")));
         }
-        if axes.is_some() {
-            self.points = Some(points);
-        }
-        if segments.is_some() {
-            self.counts = Some(counts);
-        }
-        Ok(())
+    }
+    // Rows without a byte have no end.
+    match header.elem_defs.iter().find(|element| element.properties.is_empty()) {
+        Some(element) => Err(fault(format!("expected element {} to have a property", short(&element.name)))),
+        None => Ok((header, text, end)),
     }
 }
 
-/// A number as an index.
-fn index32(x: f64) -> Option<u32> {
-    (0.0..f64::from(u32::MAX)).contains(&x).then_some(x as u32)
+/// Checks the header of a file that begins with these bytes, which are [`LONGEST_PLY_HEADER`] or all.
+pub(super) fn check_header(start: &[u8]) -> Result<(), SceneError> {
+    header(start).map(drop)
 }
 
-/// The elements of a file, and the byte at which its header ends.
-fn found(bytes: &[u8]) -> Result<(Found, usize), SceneError> {
-    let mut bytes = Bytes::new(bytes);
-    let (encoding, elements) = header(&mut bytes)?;
-    let at = bytes.at();
+/// The elements of a file.
+fn found(bytes: &[u8]) -> Result<Found, SceneError> {
+    let (header, text, at) = header(bytes)?;
+    if !header.has_element("vertex") {
+        return Err(fault_at(at, "expected an element vertex"));
+    }
+    // The last number of a text may end with the file.
+    let end: &[u8] = if header.format == PlyFormat::Ascii { b"\n" } else { b"" };
+    let mut rest = text.as_bytes().chain(&bytes[at..]).chain(end);
+    let read = elements(&header, &mut rest);
+    let left = *rest.get_ref().0.get_ref().1;
+    let found = read.map_err(|words| fault_at(bytes.len() - left.len(), words))?;
+    let left = if header.format == PlyFormat::Ascii { left.trim_ascii_start() } else { left };
+    match left.len() {
+        0 => Ok(Found { at, ..found }),
+        more => {
+            let words = format!("expected the end of the file, found {more} bytes more");
+            Err(fault_at(bytes.len() - more, words))
+        }
+    }
+}
+
+/// Reads all elements, and keeps what there is of a groom or of a surface.
+fn elements(header: &PlyHeader, rest: impl BufRead) -> Result<Found, String> {
+    let mut reader = PlyReader::from_reader(rest).map_err(|error| error.0.to_string())?;
     let mut found = Found::default();
-    for element in &elements {
-        found.read(element, &mut bytes, encoding)?;
+    for element in &header.elem_defs {
+        let read = match &*element.name {
+            "vertex" => reader.next_element().map(|all| found.vertices = all),
+            "strand" => reader.next_element().map(|all| found.strands = Some(all)),
+            "face" => reader.next_element().map(|all| found.faces = all),
+            _ => reader.next_element::<Vec<Other>>().map(drop),
+        };
+        read.map_err(|error| {
+            let why = match error.0.kind() {
+                ErrorKind::UnexpectedEof => "the file ends".to_owned(),
+                _ => short(&error.0.to_string()),
+            };
+            format!("expected before it {} rows of element {}: {why}", element.count, short(&element.name))
+        })?;
     }
-    if encoding == Encoding::Ascii {
-        bytes.skip_space();
-    }
-    bytes.end()?;
-    Ok((found, at))
+    Ok(found)
 }
 
 /// Polygons of a file.
@@ -321,30 +209,27 @@ pub(crate) struct Polygons {
 
 /// The polygons of the element `face`.
 pub(crate) fn polygons(bytes: &[u8]) -> Result<Polygons, SceneError> {
-    let (found, at) = found(bytes)?;
-    let points = found.points.ok_or_else(|| fault_at(at, "expected an element vertex"))?;
-    if found.polygons.is_empty() {
+    let Found { vertices, faces, at, .. } = found(bytes)?;
+    let corners: Vec<_> = faces.into_iter().map(|face| face.vertex_indices).filter(|face| !face.is_empty()).collect();
+    if corners.is_empty() {
         return Err(fault_at(at, "expected an element face with a list vertex_indices"));
     }
-    Ok(Polygons { points, corners: found.polygons, normals: found.normals, places: found.places })
+    Ok(Polygons { points: vertices.points, corners, normals: vertices.normals, places: vertices.places })
 }
 
 pub(super) fn read(bytes: &[u8], points_per_strand: Option<u32>) -> Result<Curves, SceneError> {
-    let (found, at) = found(bytes)?;
-    let points = found.points.ok_or_else(|| fault_at(at, "expected an element vertex"))?;
-    let radius = found.thickness.iter().map(|thickness| 0.5 * thickness).collect();
-    let curves = match found.counts {
+    let Found { vertices: Vertices { points, thickness, .. }, strands, at, .. } = found(bytes)?;
+    let radius = thickness.iter().map(|thickness| 0.5 * thickness).collect();
+    let curves = match strands {
         None => Curves::even(points, points_per_strand)?,
-        Some(counts) => {
-            let sum: u64 = counts.iter().map(|&count| u64::from(count)).sum();
-            if sum != points.len() as u64 || u32::try_from(sum).is_err() {
-                let found = points.len();
-                return Err(fault_at(
-                    at,
-                    format!("expected the {sum} points that the strands' nsegs make, found {found}"),
-                ));
+        Some(strands) => {
+            let sum: u64 = strands.iter().map(|strand| u64::from(strand.nsegs) + 1).sum();
+            let found = count32(points.len())?;
+            if sum != u64::from(found) {
+                let words = format!("expected the {sum} points that the strands' nsegs make, found {found}");
+                return Err(fault_at(at, words));
             }
-            Curves::of(points, counts.into_iter())
+            Curves::of(points, strands.into_iter().map(|strand| strand.nsegs + 1))
         }
     };
     Ok(Curves { radius, ..curves })

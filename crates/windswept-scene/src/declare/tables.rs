@@ -27,6 +27,41 @@
 
 /// Declares a table of the scene file and its struct: see the head of this file.
 macro_rules! table {
+    // The keys of a table, however it is checked.
+    (
+        @keys $name:ident, $checked:ty;
+        $(
+            $(#[doc = $doc:literal])+
+            $field:ident $(as $key:literal)?: $type:ty = $kind:expr, $unit:tt, $default:expr $(=> $how:ident)?;
+        )*
+    ) => {
+        impl $crate::declare::Keys for $name {
+            type Checked = $checked;
+
+            fn list(path: &str, all: &mut Vec<$crate::keys::Key>) {
+                $(
+                    let row = $crate::declare::row!($field $($key)?, $kind, $unit, $default, $($doc)+);
+                    <$type as $crate::declare::Field>::list(row, path, all);
+                )*
+            }
+
+            fn read(reader: &$crate::reader::Reader<'_>) -> Option<Self> {
+                $(
+                    let row = $crate::declare::row!($field $($key)?, $kind, $unit, $default, $($doc)+);
+                    let $field = $crate::declare::read!($type, row, reader $(, $how)?);
+                )*
+                Some(Self { $($field: $field?),* })
+            }
+
+            fn write(&self, writer: &mut $crate::write::Writer) {
+                $($crate::declare::Field::write(&self.$field, $crate::declare::name!($field $($key)?), writer);)*
+            }
+
+            fn check(&self, scene: &$crate::scene::Scene, at: &$crate::faults::At<'_>) -> Option<$checked> {
+                self.checked(scene, at)
+            }
+        }
+    };
     // A checked scene has the same struct, or what it becomes.
     (
         $(#[$meta:meta])*
@@ -47,33 +82,15 @@ macro_rules! table {
             )*
         }
 
-        impl $crate::declare::Keys for $name {
-            type Checked = $crate::declare::either!($name $(, $becomes)?);
+        $crate::declare::table! {
+            @keys $name, $crate::declare::either!($name $(, $becomes)?);
+            $($(#[doc = $doc])+ $field $(as $key)?: $type = $kind, $unit, $default;)*
+        }
 
-            fn list(path: &str, all: &mut Vec<$crate::keys::Key>) {
-                $(
-                    let row = $crate::declare::row!($field $($key)?, $kind, $unit, $default, $($doc)+);
-                    <$type as $crate::declare::Field>::list(row, path, all);
-                )*
-            }
-
-            fn read(reader: &$crate::reader::Reader<'_>) -> Option<Self> {
-                $(
-                    let row = $crate::declare::row!($field $($key)?, $kind, $unit, $default, $($doc)+);
-                    let $field = <$type as $crate::declare::Field>::read(row, reader);
-                )*
-                Some(Self { $($field: $field?),* })
-            }
-
-            fn write(&self, writer: &mut $crate::write::Writer) {
-                $($crate::declare::Field::write(&self.$field, $crate::declare::name!($field $($key)?), writer);)*
-            }
-
-            fn find(&self, at: &$crate::faults::At<'_>) {
-                $($crate::declare::Field::find(&self.$field, $crate::declare::name!($field $($key)?), $kind, at);)*
-            }
-
-            fn check(&self, scene: &$crate::scene::Scene, at: &$crate::faults::At<'_>) -> Option<Self::Checked> {
+        impl $name {
+            fn checked(
+                &self, scene: &$crate::scene::Scene, at: &$crate::faults::At<'_>,
+            ) -> Option<$crate::declare::either!($name $(, $becomes)?)> {
                 $(
                     let name = $crate::declare::name!($field $($key)?);
                     let $field = $crate::declare::Field::check(&self.$field, name, $kind, scene, at);
@@ -129,45 +146,14 @@ macro_rules! table {
             )*
         }
 
-        impl $crate::declare::Keys for $name {
-            type Checked = $checked;
+        $crate::declare::table! {
+            @keys $name, $checked;
+            $($(#[doc = $doc])+ $field $(as $key)?: $type = $kind, $unit, $default $(=> $how)?;)*
+            $($($(#[doc = $extra_doc])+ $extra $(as $extra_key)?: $extra_type = $extra_kind, $extra_unit, $extra_default;)*)?
+        }
 
-            fn list(path: &str, all: &mut Vec<$crate::keys::Key>) {
-                $(
-                    let row = $crate::declare::row!($field $($key)?, $kind, $unit, $default, $($doc)+);
-                    <$type as $crate::declare::Field>::list(row, path, all);
-                )*
-                $($(
-                    let row = $crate::declare::row!($extra $($extra_key)?, $extra_kind, $extra_unit, $extra_default, $($extra_doc)+);
-                    <$extra_type as $crate::declare::Field>::list(row, path, all);
-                )*)?
-            }
-
-            fn read(reader: &$crate::reader::Reader<'_>) -> Option<Self> {
-                $(
-                    let row = $crate::declare::row!($field $($key)?, $kind, $unit, $default, $($doc)+);
-                    let $field = $crate::declare::read!($type, row, reader $(, $how)?);
-                )*
-                $($(
-                    let row = $crate::declare::row!($extra $($extra_key)?, $extra_kind, $extra_unit, $extra_default, $($extra_doc)+);
-                    let $extra = <$extra_type as $crate::declare::Field>::read(row, reader);
-                )*)?
-                Some(Self { $($field: $field?,)* $($($extra: $extra?),*)? })
-            }
-
-            fn write(&self, writer: &mut $crate::write::Writer) {
-                $($crate::declare::Field::write(&self.$field, $crate::declare::name!($field $($key)?), writer);)*
-                $($($crate::declare::Field::write(&self.$extra, $crate::declare::name!($extra $($extra_key)?), writer);)*)?
-            }
-
-            fn find(&self, at: &$crate::faults::At<'_>) {
-                $($crate::declare::Field::find(&self.$field, $crate::declare::name!($field $($key)?), $kind, at);)*
-                $($($crate::declare::Field::find(
-                    &self.$extra, $crate::declare::name!($extra $($extra_key)?), $extra_kind, at,
-                );)*)?
-            }
-
-            fn check(&self, scene: &$crate::scene::Scene, at: &$crate::faults::At<'_>) -> Option<Self::Checked> {
+        impl $name {
+            fn checked(&self, scene: &$crate::scene::Scene, at: &$crate::faults::At<'_>) -> Option<$checked> {
                 $(
                     let name = $crate::declare::name!($field $($key)?);
                     let $field = $crate::declare::Field::check(&self.$field, name, $kind, scene, at);
@@ -263,12 +249,6 @@ macro_rules! variants {
                         writer.word($tag, $word);
                         $crate::declare::Keys::write(inner, writer);
                     })+
-                }
-            }
-
-            fn find(&self, at: &$crate::faults::At<'_>) {
-                match self {
-                    $(Self::$variant(inner) => $crate::declare::Keys::find(inner, at)),+
                 }
             }
 

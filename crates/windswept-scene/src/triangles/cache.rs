@@ -3,16 +3,12 @@
 //!
 //! ```text
 //! WINDSWEPT_CACHE/windswept/grids/KEY.grid      KEY: SHA-256 of all that a grid is made of: triangles, spacing, margin, VERSION
-//!   8 bytes  "WSGRID", VERSION
-//!   f64      origin x, y, z, spacing \[m\]
-//!   u32      nodes along x, y, z
-//!   f32      distance at each node \[m\], x fastest
-//!   32 bytes SHA-256 of KEY and of all before
+//!   32 bytes SHA-256 of KEY and of all that follows
+//!   origin \[m\], spacing \[m\], counts and values \[m\] of the grid, as the crate postcard has them
 //! ```
 //!
-//! Numbers are little-endian. A file that is not as it should be counts as none, and is replaced; what cannot be
-//! written is left out. A file is written beside its place and renamed, so that runs side by side see all of it or
-//! nothing.
+//! A file that is not as it should be counts as none, and is replaced; what cannot be written is left out. A file is
+//! written beside its place and renamed; runs side by side see all of it, or one that is not as it should be.
 
 use std::{
     ffi::OsString,
@@ -21,22 +17,21 @@ use std::{
     time::{Duration, Instant, SystemTime},
 };
 
-use glam::DVec3;
 use sha2::{Digest, Sha256};
 
 use super::{DistanceGrid, Triangles};
-use crate::{error::SceneError, limits::MAX_GRID_VALUES};
+use crate::{atomic::AtomicFile, error::SceneError, limits::MAX_GRID_VALUES};
 
 /// Version of what [`DistanceGrid::bake`] makes, and of the files: another number for any change of either.
-const VERSION: u16 = 2;
+const VERSION: u16 = 3;
 /// A grid that is made in less is not kept.
 const WORTH: Duration = Duration::from_millis(300);
 /// Bytes of all files that are kept; the oldest go first.
 const MOST: u64 = 1 << 30;
-/// Bytes of a file before its distances.
-const HEAD: usize = 8 + 4 * 8 + 3 * 4;
 /// Bytes of a checksum.
 const SUM: usize = 32;
+/// Most bytes of a file: beside its values and the checksum a grid takes less than 64.
+const LARGEST: usize = SUM + 64 + 4 * MAX_GRID_VALUES;
 
 /// As [`DistanceGrid::bake`], but read if that was made before.
 pub(crate) fn bake(surface: &Triangles, spacing: f64, margin: f64) -> Result<DistanceGrid, SceneError> {
@@ -63,7 +58,8 @@ fn bake_in(
     }
     let began = Instant::now();
     let grid = DistanceGrid::bake(surface, spacing, margin)?;
-    if began.elapsed() >= worth && write(folder, &path, &bytes(&grid, &key)).is_ok() {
+    let write = |content: Vec<u8>| fs::create_dir_all(folder).and_then(|()| AtomicFile::write(&path, &content));
+    if began.elapsed() >= worth && bytes(&grid, &key).is_some_and(|content| write(content).is_ok()) {
         forget(folder, MOST);
     }
     Ok(grid)
@@ -86,62 +82,33 @@ fn key(surface: &Triangles, spacing: f64, margin: f64) -> [u8; SUM] {
     hash.finalize().into()
 }
 
-fn magic() -> [u8; 8] {
-    let [low, high] = VERSION.to_le_bytes();
-    [b'W', b'S', b'G', b'R', b'I', b'D', low, high]
-}
-
 /// The checksum of a file's content under a key.
 fn sum(key: &[u8], content: &[u8]) -> [u8; SUM] {
     Sha256::new().chain_update(key).chain_update(content).finalize().into()
 }
 
 /// The content of a file.
-fn bytes(grid: &DistanceGrid, key: &[u8]) -> Vec<u8> {
-    let mut content = Vec::with_capacity(HEAD + 4 * grid.values.len() + SUM);
-    content.extend(magic());
-    for number in [grid.origin.x, grid.origin.y, grid.origin.z, grid.spacing] {
-        content.extend(number.to_le_bytes());
-    }
-    content.extend(grid.counts.iter().flat_map(|count| count.to_le_bytes()));
-    content.extend(grid.values.iter().flat_map(|value| value.to_le_bytes()));
-    let sum = sum(key, &content);
-    content.extend(sum);
-    content
+fn bytes(grid: &DistanceGrid, key: &[u8]) -> Option<Vec<u8>> {
+    let mut bytes = postcard::to_extend(grid, vec![0; SUM]).ok()?;
+    let (found, content) = bytes.split_at_mut(SUM);
+    found.copy_from_slice(&sum(key, content));
+    Some(bytes)
 }
 
 /// The grid in a file; none where there is no file, or one that is broken.
 fn read(path: &Path, key: &[u8]) -> Option<DistanceGrid> {
-    let length = usize::try_from(fs::metadata(path).ok().filter(fs::Metadata::is_file)?.len()).ok()?;
-    if length > HEAD + 4 * MAX_GRID_VALUES + SUM {
+    let metadata = fs::metadata(path).ok()?;
+    if !metadata.is_file() || metadata.len() > LARGEST as u64 {
         return None;
     }
     let bytes = fs::read(path).ok()?;
-    let (content, found) = bytes.split_at_checked(bytes.len().checked_sub(SUM)?)?;
-    let (head, values) = content.split_at_checked(HEAD)?;
-    if found != sum(key, content) || head[..8] != magic() {
+    let (found, content) = bytes.split_at_checked(SUM)?;
+    if found != sum(key, content) {
         return None;
     }
-    let numbers: Vec<f64> = head[8..40].as_chunks::<8>().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
-    let counts: Vec<u32> = head[40..].as_chunks::<4>().0.iter().map(|bytes| u32::from_le_bytes(*bytes)).collect();
-    let &[x, y, z, spacing] = &numbers[..] else { return None };
-    let &[columns, rows, layers] = &counts[..] else { return None };
-    let nodes = [columns, rows, layers].iter().map(|count| *count as usize).try_fold(1, usize::checked_mul)?;
-    let values: Vec<f32> = values.as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes)).collect();
-    let grid = DistanceGrid { origin: DVec3::new(x, y, z), spacing, counts: [columns, rows, layers], values };
-    (grid.values.len() == nodes).then_some(grid)
-}
-
-/// Writes a file, which appears whole to readers.
-fn write(folder: &Path, path: &Path, content: &[u8]) -> std::io::Result<()> {
-    fs::create_dir_all(folder)?;
-    // Of this process alone, in which contents are made one after the other.
-    let part = path.with_extension(format!("{}.part", std::process::id()));
-    let written = fs::write(&part, content).and_then(|()| fs::rename(&part, path));
-    if written.is_err() {
-        let _ = fs::remove_file(&part);
-    }
-    written
+    let grid: DistanceGrid = postcard::from_bytes(content).ok()?;
+    let nodes = grid.counts.iter().try_fold(1, |nodes: usize, count| nodes.checked_mul(*count as usize));
+    (nodes == Some(grid.values.len())).then_some(grid)
 }
 
 /// Removes the oldest files until the others have at most this many bytes; leftover parts count as files.
@@ -166,6 +133,8 @@ fn forget(folder: &Path, most: u64) {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)] // a test may panic
+
     use super::*;
     use crate::body::CheckedShape;
 
@@ -173,15 +142,15 @@ mod tests {
     /// other spacings have files of their own, and the oldest go.
     #[test]
     fn grids_come_back_as_they_were() {
-        let folder = tempfile::tempdir().unwrap_or_else(|error| panic!("{error}"));
+        let folder = tempfile::tempdir().unwrap();
         let kept = folder.path().join("grids");
         let ball = |radius: f64| CheckedShape::sphere([0.1, 0.2, 0.3], radius).surface(16, 16);
         let make = |radius: f64, spacing: f64| {
             let grid = bake_in(Some(&kept), Duration::ZERO, &ball(radius), spacing, 3.0 * spacing);
-            grid.unwrap_or_else(|error| panic!("{error}"))
+            grid.unwrap()
         };
         let files = || -> Vec<PathBuf> {
-            let entries = fs::read_dir(&kept).unwrap_or_else(|error| panic!("{error}"));
+            let entries = fs::read_dir(&kept).unwrap();
             entries.filter_map(|entry| Some(entry.ok()?.path())).collect()
         };
         let first = make(0.04, 4e-3);
@@ -191,10 +160,10 @@ mod tests {
         assert_eq!(bake_in(None, Duration::ZERO, &ball(0.04), 4e-3, 3.0 * 4e-3).as_ref(), Ok(&first));
         // The grid in the file is taken.
         let other = DistanceGrid { spacing: 5e-3, ..first.clone() };
-        let replaced = |content: &[u8]| fs::write(path, content).unwrap_or_else(|error| panic!("{error}"));
-        replaced(&bytes(&other, &key));
+        let replaced = |content: &[u8]| fs::write(path, content).unwrap();
+        replaced(&bytes(&other, &key).unwrap());
         assert_eq!(make(0.04, 4e-3), other);
-        let whole = bytes(&first, &key);
+        let whole = bytes(&first, &key).unwrap();
         for at in (0..whole.len()).step_by(whole.len() / 97) {
             let mut altered = whole.clone();
             altered[at] ^= 0x10;
@@ -205,7 +174,7 @@ mod tests {
         }
         assert_eq!(make(0.04, 4e-3), first);
         assert_eq!(read(path, &key).as_ref(), Some(&first), "a broken file is not replaced");
-        replaced(&bytes(&first, &[0; SUM]));
+        replaced(&bytes(&first, &[0; SUM]).unwrap());
         assert_eq!(read(path, &key), None);
         make(0.041, 4e-3);
         make(0.04, 4.1e-3);
@@ -214,7 +183,7 @@ mod tests {
         assert!((1..3).contains(&files().len()), "{:?}", files());
         // Where nothing can be kept, grids are made all the same.
         let file = folder.path().join("file");
-        fs::write(&file, b"").unwrap_or_else(|error| panic!("{error}"));
+        fs::write(&file, b"").unwrap();
         let grid = bake_in(Some(&file), Duration::ZERO, &ball(0.04), 4e-3, 3.0 * 4e-3);
         assert_eq!(grid.as_ref(), Ok(&first));
     }

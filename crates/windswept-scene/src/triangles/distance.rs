@@ -10,6 +10,7 @@ use std::{
 };
 
 use glam::{DVec3, Vec3};
+use serde::{Deserialize, Serialize};
 
 use super::{
     Triangles,
@@ -77,7 +78,7 @@ impl Patience {
 /// Between nodes the distance is trilinear: next to a surface with the radius of curvature R it is off by up to h²/(4
 /// R), h being the spacing, and its gradient is continuous in a cell only. Farther than eight spacings from the surface
 /// a node may have a distance that is too large by up to a quarter of a spacing, as measured on balls.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct DistanceGrid {
     /// First node \[m\].
     pub origin: DVec3,
