@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::{DQuat, DVec3};
 
 use crate::{
-    declare::{Field, Row, table},
+    declare::{Field, Row, Written, table},
     faults::At,
     keys::{
         Fallback::{Required, Value},
@@ -85,6 +85,12 @@ impl<const N: usize> From<[Keyframe; N]> for Motion {
     }
 }
 
+impl Written for Motion {
+    fn write(&self, name: &'static str, writer: &mut Writer) {
+        self.keyframes.write(name, writer);
+    }
+}
+
 /// A motion is spelled as the list of its keyframes.
 impl Field for Motion {
     type Checked = Self;
@@ -95,10 +101,6 @@ impl Field for Motion {
 
     fn read(row: Row<Self>, reader: &Reader<'_>) -> Option<Self> {
         Vec::<Keyframe>::read(row.of_parts(), reader).map(|keyframes| Self { keyframes })
-    }
-
-    fn write(&self, name: &'static str, writer: &mut Writer) {
-        self.keyframes.write(name, writer);
     }
 
     fn find(&self, name: &'static str, kind: Kind, at: &At<'_>) {
