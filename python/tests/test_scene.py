@@ -151,6 +151,8 @@ def test_wrong_names_and_values_are_told_of_by_their_keys(made):
         ("air.box", ws.Time(step=1, duration=1), "air.box: expected windswept.Bounds"),
         ("time.step", -1.0, "time.step: expected a number greater than 0"),
         ("time.step", None, "^time.step: is missing"),
+        ("hair", 5, "hair: expected windswept.Hair"),
+        ("hair.roots", {"shape": "ball"}, "hair.roots.shape: expected one of disc, .*found 'ball'"),
         ("hair.points", 1, "hair.points: expected a whole number of at least 2"),
         ("hair.roots", ws.Scalp(body="head"), "hair.roots.body: .*head"),
         ("turbulence.law", "strong", 'turbulence.law: expected one of "band"'),

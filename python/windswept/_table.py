@@ -63,7 +63,7 @@ class Key(Generic[Got, Taken]):
             vars(table).pop(self.name, None)
             return
         if self.kind == "tables":
-            own = [self._table(item) for item in ([own] if isinstance(own, (Table, Mapping)) else own)]
+            own = [self._table(item) for item in (own if isinstance(own, (list, tuple)) else [own])]
         elif self.kind == "word" and isinstance(own, Table):
             # The keys of the choice are the table's own.
             for name in {name for other in self.of for name in other._keys}:
@@ -95,9 +95,11 @@ class Key(Generic[Got, Taken]):
         if not isinstance(value, (Table, Mapping)) and len(self.of) == 1 and self.of[0].__name__ in _SHORT:
             value = _SHORT[self.of[0].__name__](value)
         if isinstance(value, Mapping):
-            words = {table._word[1]: table for table in self.of if table._word[0] in value}
-            named = [words[word] for key in self.of if (word := value.get(key._word[0])) in words]
-            return (named or self.of)[0].from_dict(value)
+            tag, default = self.of[0]._word
+            words = {table._word[1]: table for table in self.of}
+            if (word := value.get(tag, default)) in words:
+                return words[word].from_dict(value)
+            raise fault(f"{_join(self.owner._path, self.name)}.{tag}", f"expected one of {', '.join(words)}, found {word!r}")
         names = " or ".join(f"windswept.{table.__name__}" for table in self.of)
         raise self._fault(f"expected {names}, found {value!r}")
 

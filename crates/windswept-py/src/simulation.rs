@@ -98,12 +98,7 @@ impl Simulation {
 impl Simulation {
     #[new]
     #[pyo3(signature = (scene, groom=None, adapter=None))]
-    fn new(
-        py: Python<'_>,
-        scene: &Bound<'_, PyAny>,
-        groom: Option<&Groom>,
-        adapter: Option<&str>,
-    ) -> PyResult<Self> {
+    fn new(py: Python<'_>, scene: &Bound<'_, PyAny>, groom: Option<&Groom>, adapter: Option<&str>) -> PyResult<Self> {
         let scene = checked(scene)?;
         let gpu = gpu::device(py, adapter)?;
         let made = without_gil(py, || match groom {

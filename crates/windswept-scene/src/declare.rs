@@ -403,4 +403,6 @@ impl Leaf for [f64; 3] {
 leaves!(f64, u32, u64, bool, String, [f64; 3]);
 
 pub(crate) use leaves;
-pub(crate) use tables::{defaults, either, name, option, read, resolved, row, table, unit_note, variants, words, written};
+pub(crate) use tables::{
+    defaults, either, name, option, read, resolved, row, table, unit_note, variants, words, written,
+};
