@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import ast
 import difflib
+import functools
+import importlib
 import inspect
-import textwrap
 from collections.abc import Callable, Mapping
 from os import PathLike
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, TypeVar, overload
@@ -38,7 +39,7 @@ class Key(Generic[Got, Taken]):
 
     @property
     def __doc__(self) -> str | None:  # type: ignore[override]
-        return _documentation(self.owner).get(self.name) if "owner" in vars(self) else None
+        return _documentation(self.owner.__module__).get(f"{self.owner.__name__}.{self.name}")
 
     @overload
     def __get__(self, table: None, owner: type) -> Self: ...
@@ -329,13 +330,15 @@ def _nearest(name: str, names: Mapping[str, Any]) -> str:
     return f"; did you mean {near[0]}?" if near else ""
 
 
-def _documentation(table: type) -> dict[str, str]:
-    """The docstrings of a class's attributes, which Python itself does not keep."""
-    (body,) = ast.parse(textwrap.dedent(inspect.getsource(table))).body
-    assert isinstance(body, ast.ClassDef)
+@functools.cache
+def _documentation(module: str) -> dict[str, str]:
+    """The docstrings of attributes, as `Air.wind`, of the classes of a module: Python itself does not keep them."""
+    tree = ast.parse(inspect.getsource(importlib.import_module(module)))
     return {
-        key.target.id: inspect.cleandoc(doc.value.value).strip()
-        for key, doc in zip(body.body, body.body[1:])
+        f"{table.name}.{key.target.id}": inspect.cleandoc(doc.value.value).strip()
+        for table in tree.body
+        if isinstance(table, ast.ClassDef)
+        for key, doc in zip(table.body, table.body[1:])
         if isinstance(key, ast.AnnAssign) and isinstance(key.target, ast.Name)
         if isinstance(doc, ast.Expr) and isinstance(doc.value, ast.Constant) and isinstance(doc.value.value, str)
     }
