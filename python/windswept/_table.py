@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import ast
 import difflib
-import functools
 import importlib
 import inspect
 from collections.abc import Callable, Mapping
@@ -26,6 +25,8 @@ Taken = TypeVar("Taken")
 _NEEDED: Any = object()
 #: Tables that another value stands for too: the size of a box whose lower corner is the origin.
 _SHORT: dict[str, Callable[[Any], dict[str, Any]]] = {"Bounds": lambda size: {"min": [0.0, 0.0, 0.0], "max": size}}
+#: Docstrings of modules that were read.
+_READ: dict[str, dict[str, str]] = {}
 
 
 class Key(Generic[Got, Taken]):
@@ -330,15 +331,15 @@ def _nearest(name: str, names: Mapping[str, Any]) -> str:
     return f"; did you mean {near[0]}?" if near else ""
 
 
-@functools.cache
 def _documentation(module: str) -> dict[str, str]:
     """The docstrings of attributes, as `Air.wind`, of the classes of a module: Python itself does not keep them."""
-    tree = ast.parse(inspect.getsource(importlib.import_module(module)))
-    return {
-        f"{table.name}.{key.target.id}": inspect.cleandoc(doc.value.value).strip()
-        for table in tree.body
-        if isinstance(table, ast.ClassDef)
-        for key, doc in zip(table.body, table.body[1:])
-        if isinstance(key, ast.AnnAssign) and isinstance(key.target, ast.Name)
-        if isinstance(doc, ast.Expr) and isinstance(doc.value, ast.Constant) and isinstance(doc.value.value, str)
-    }
+    if module not in _READ:
+        _READ[module] = {
+            f"{table.name}.{key.target.id}": inspect.cleandoc(doc.value.value).strip()
+            for table in ast.parse(inspect.getsource(importlib.import_module(module))).body
+            if isinstance(table, ast.ClassDef)
+            for key, doc in zip(table.body, table.body[1:])
+            if isinstance(key, ast.AnnAssign) and isinstance(key.target, ast.Name)
+            if isinstance(doc, ast.Expr) and isinstance(doc.value, ast.Constant) and isinstance(doc.value.value, str)
+        }
+    return _READ[module]
