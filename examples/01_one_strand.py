@@ -5,22 +5,13 @@
 
 import windswept as ws
 
-SCENE = """
-title = "One strand"
-interaction = { model = "none" }
-[time]
-step = 1.38e-3
-duration = 2.0
-[hair]
-strands = 1
-points = 21
-length = 0.10
-roots = { center = [0.0, 0.0, 0.0], radius = 1.0e-3, direction = [1.0, 0.0, 0.0] }
-[rods]
-damping = 8.0
-"""
-
-sim = ws.Simulation(ws.Scene.parse(SCENE))
+scene = ws.Scene(
+    time=ws.Time(step=1.38e-3, duration=2.0),
+    interaction=ws.Interaction(model="none"),
+    hair=ws.Hair(strands=1, points=21, length=0.10, roots=ws.Disc(center=[0, 0, 0], radius=1e-3, direction=[1, 0, 0])),
+    rods=ws.Rods(damping=8.0),
+)
+sim = ws.Simulation(scene)
 print("running on", sim.adapter)
 for _ in range(5):
     sim.step(290)

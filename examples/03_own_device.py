@@ -13,11 +13,11 @@ import numpy as np
 import windswept as ws
 
 scene = ws.Scene.load(Path(__file__).parent / "scenes/quick.toml")
-bare = ws.Scene.parse('interaction = { model = "none" }\ntime = { step = 1.38e-3, duration = 1.0 }')
+bare = ws.Scene(time=ws.Time(step=1.38e-3, duration=1.0), interaction=ws.Interaction(model="none"))
 
 # Strands of our own beside a scene's.
 points = np.zeros((2, 20, 3))
-points[:, :, 1] = -0.005 * np.arange(20)
+points[..., 1] = -0.005 * np.arange(20)
 points[1, :, 2] = 0.01
 strands = ws.Simulation(bare, groom=ws.Groom(points, radius=[4e-5, 8e-5]))
 brush = ws.Simulation(scene)

@@ -25,21 +25,15 @@ with open("curls.hair", "wb") as file:
     file.write(np.full(strands, n - 1, "<u2").tobytes())
     file.write(points.astype("<f4").tobytes())
 
-scene = ws.Scene.parse("""
-title = "Curls from a file, lift and drag alone"
-time = { step = 1.38e-3, duration = 0.1 }
-interaction = { model = "drag" }
-air = { wind = [3.0, 0.0, 0.0] }
-picture = { hairs = 4000 }
-camera = { width = 480, height = 270 }
-
-[hair]
-file = "curls.hair"
-scale = 0.01
-up = "z"
-strands = 200
-points = 15
-""")
+scene = ws.Scene(
+    title="Curls from a file, lift and drag alone",
+    time=ws.Time(step=1.38e-3, duration=0.1),
+    interaction=ws.Interaction(model="drag"),
+    air=ws.Air(wind=[3, 0, 0]),
+    hair=ws.Hair(file="curls.hair", scale=0.01, up="z", strands=200, points=15),
+    picture=ws.Picture(hairs=4000),
+    camera=ws.Camera(width=480, height=270),
+)
 sim = ws.Simulation(scene)
 sim.run(0.02)
 ws.write_png("curls.png", sim.render())

@@ -10,7 +10,7 @@ EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.py"))
 
 
 # It runs two figures of the paper.
-LONG = "fig3a_against_fig3c.py"
+LONG = "06_fig3a_against_fig3c.py"
 
 
 @pytest.mark.parametrize(

@@ -57,6 +57,50 @@ def test_every_combination_gets_its_folder_and_its_line(short, tmp_path):
     assert (table(tmp_path)[0]["seed"], table(tmp_path)[0]["air.wind"]) == ("7", "[4.0, 0.0, 0.0]")
 
 
+def test_a_case_keeps_its_film_and_the_numbers_of_each(short, tmp_path, monkeypatch):
+    image = pytest.importorskip("PIL.Image")
+    bars = []
+    monkeypatch.setattr("tqdm.auto.tqdm", lambda work, words, count, **_: bars.append(count) or work)
+    filmed = short.replace(**{"time.frame_rate": 1000.0})
+
+    def each(case):
+        return {"swing_m": ws.measure(case.folder)["swing_m"], "index": case.index}
+
+    cases = sweep.run(filmed, {"turbulence.scale": [0.006, 0.009]}, tmp_path, film="vtkhdf", each=each)
+    assert [case.numbers["index"] for case in cases] == [0, 1] and cases[0].numbers["swing_m"] > 0.0
+    assert [float(line["swing_m"]) for line in table(tmp_path)] == [case.numbers["swing_m"] for case in cases]
+    assert bars == [2] and (cases[0].folder / "air.vtkhdf").exists()
+    # The sheet says the values; the pictures do not.
+    with image.open(tmp_path / "sheet.png") as sheet, image.open(cases[0].folder / "picture.png") as picture:
+        corner = (0, 0, 96, 16)
+        assert sheet.convert("RGB").crop(corner).tobytes() != picture.convert("RGB").crop(corner).tobytes()
+    # A film that is missing is made, and numbers of cases that were finished are there too.
+    (cases[1].folder / "hair.vtkhdf").unlink()
+    (cases[1].folder / "air.vtkhdf").unlink()
+    again = sweep.run(filmed, {"turbulence.scale": [0.006, 0.009]}, tmp_path, film="vtkhdf", each=each)
+    assert [case.status for case in again] == ["skipped", "finished"]
+    assert [case.numbers for case in again] == [case.numbers for case in cases]
+    for wrong in ({"film": "gif"}, {"film": "vtkhdf", "checkpoint_every": 5}):
+        with pytest.raises(ValueError, match="film"):
+            sweep.run(short, {"seed": [1]}, tmp_path, **wrong)
+
+
+def test_an_ensemble_has_a_mean_and_a_spread(short, tmp_path):
+    numbers = []
+
+    def each(case):
+        numbers.append(float(np.linalg.norm(case.report["momentum_kg_m_per_s"])))
+        return {"momentum": numbers[-1], "words": "left out"}
+
+    spread = ws.ensemble(short, [3, 4, 5], tmp_path, key="air.seed", picture=False, each=each)
+    assert len(set(numbers)) == 3 == len(spread.cases)
+    assert spread.mean["momentum"] == pytest.approx(np.mean(numbers))
+    assert spread.spread["momentum"] == pytest.approx(np.std(numbers, ddof=1))
+    assert (spread.mean["steps"], spread.spread["steps"]) == (12, 0) and "words" not in spread.mean
+    with pytest.raises(RuntimeError, match="no case finished: .*picture.hairs"):
+        ws.ensemble(short.replace(**{"picture.hairs": 1_000_000}), [1], tmp_path / "none", retries=0)
+
+
 def test_pictures_that_make_no_sheet_are_told_of(short, tmp_path):
     (tmp_path / "sheet.png").write_bytes(b"of an earlier call")
     with pytest.warns(UserWarning, match="sheet.png is not made: the pictures of a contact sheet differ in size"):

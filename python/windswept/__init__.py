@@ -3,6 +3,7 @@
     import windswept as ws
 
     scene = ws.Scene.load("examples/scenes/quick.toml")
+    scene.air.wind = [4, 0, 0]
     sim = ws.Simulation(scene)
     sim.step(100)
     sim.hair.positions      # (points, 3) float32, m
@@ -11,12 +12,12 @@ SI everywhere, right-handed, Y up; quaternions are x, y, z, w. Arrays come in as
 C order. `help(ws.Simulation)` is a place to start.
 """
 
-from types import ModuleType as _ModuleType
 from typing import TYPE_CHECKING as _TYPE_CHECKING
+from typing import Any as _Any
 
-from windswept import ops
+from windswept import ops, scene
 from windswept._native import (
-    Air,
+    AirState,
     ExportError,
     Followers,
     Frame,
@@ -25,9 +26,8 @@ from windswept._native import (
     Frames,
     GpuError,
     Groom,
-    Hair,
+    HairState,
     RunError,
-    Scene,
     SceneError,
     Simulation,
     VtkHdfWriter,
@@ -40,12 +40,15 @@ from windswept._native import (
 )
 from windswept.measures import measure
 from windswept.meshes import write_mesh
+from windswept.report import Report
+from windswept.scene import *
 
 if _TYPE_CHECKING:
     from windswept import plot, sweep, usd
+    from windswept.sweep import ensemble
 
 __all__ = [
-    "Air",
+    "AirState",
     "ExportError",
     "Followers",
     "Frame",
@@ -54,9 +57,9 @@ __all__ = [
     "Frames",
     "GpuError",
     "Groom",
-    "Hair",
+    "HairState",
+    "Report",
     "RunError",
-    "Scene",
     "SceneError",
     "Simulation",
     "VtkHdfWriter",
@@ -64,19 +67,26 @@ __all__ = [
     "__version__",
     "adapters",
     "contact_sheet",
+    "ensemble",
     "formats",
     "measure",
     "ops",
     "plot",
+    "scene",
     "sweep",
     "usd",
     "write_mesh",
     "write_png",
 ]
+__all__ += scene.__all__
 
 
-def __getattr__(name: str) -> _ModuleType:
+def __getattr__(name: str) -> _Any:
     # What most programs need not import: NumPy's and Matplotlib's start-up is longer than ours.
+    if name == "ensemble":
+        from windswept.sweep import ensemble
+
+        return ensemble
     if name in ("plot", "sweep", "usd"):
         import importlib
 

@@ -1,11 +1,20 @@
 """Runs one scene with every combination of some values, on this machine or on a Dask cluster.
 
-    from windswept import sweep
+    import windswept as ws
 
-    cases = sweep.run(scene, vary={"turbulence.bands.0.scale": [0.006, 0.018], "viscosity.hair": [0.05, 1.4]}, out="sweep")
+    scene = ws.Scene.load("examples/scenes/quick.toml")     # eddies enter with its wind
+    cases = ws.sweep.run(
+        scene,
+        vary={"turbulence.scale": [0.006, 0.018], "air.wind": [[3, 0, 0], [5, 0, 0]]},
+        out="sweep",
+        film="vtkhdf",
+        each=lambda case: {"swing_m": ws.measure(case.folder)["swing_m"]},
+    )
 
-`out` gets a folder per case (`scene.toml`, `report.json`, `picture.png`, or `error.txt`), `table.csv` of all, and `sheet.png`
-of their pictures; where these make no sheet, as pictures of different sizes or too many, a warning says why. Called again it runs what is missing; with `checkpoint_every` a case goes on in its middle.
+`out` gets a folder per case (`scene.toml`, `report.json`, `picture.png` and the film, or `error.txt`), `table.csv` of all, and
+`sheet.png` of their pictures, labelled where Pillow is installed; a warning says why pictures make no sheet, as those of
+different sizes. Called again it runs what is missing; with `checkpoint_every` a case goes on in its middle. `ensemble` repeats
+a scene with other seeds.
 
 A script that has no `if __name__ == "__main__":` may call it: cases are processes of their own, which never import the script.
 """
@@ -23,20 +32,28 @@ import tempfile
 import time
 import uuid
 import warnings
-from collections.abc import Generator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from statistics import fmean, stdev
+from typing import TYPE_CHECKING, Any, Literal, cast
 
-from windswept._native import ExportError, Scene, SceneError, Simulation, contact_sheet, write_png
+from windswept._native import ExportError, SceneError, Simulation, Writer, contact_sheet, write_png
+from windswept._table import plain
+from windswept.scene import Scene
 
 if TYPE_CHECKING:
     from distributed import Client
 
-__all__ = ["Case", "run"]
+    from windswept.report import Report
+
+__all__ = ["Case", "Spread", "ensemble", "run"]
 
 #: Columns of the table that come from a report.
 _REPORTED = ["steps", "time_s", "ms_per_step", "max_stretch", "density_error_rms"]
+
+#: Files of a case beside its scene and its report.
+_FILES = ("picture.png", "hair.vtkhdf", "air.vtkhdf")
 
 #: What names of checkpoints begin with.
 _CHECKPOINT = "checkpoint-"
@@ -54,11 +71,23 @@ class Case:
     status: str = "waiting"
     #: Number of runs that were started in this call, those that a dead worker left among them.
     attempts: int = 0
-    report: dict[str, Any] = field(default_factory=dict)
+    report: Report = field(default_factory=lambda: cast("Report", {}))
+    #: What `each` returned.
+    numbers: dict[str, Any] = field(default_factory=dict)
     #: The case's last fault, also where the case finished in the end.
     error: str | None = None
     _text: str = field(default="", repr=False)
     _log: str = field(default="", repr=False)
+
+
+@dataclass(frozen=True)
+class Spread:
+    """Numbers over an ensemble, by name."""
+
+    mean: dict[str, float]
+    #: Standard deviation of one case: of a sample, so that it is NaN where one case alone finished.
+    spread: dict[str, float]
+    cases: list[Case]
 
 
 @dataclass(frozen=True)
@@ -70,10 +99,11 @@ class _Job:
     picture: bool
     #: File of its checkpoint and steps between two; None: it has none.
     checkpoint: tuple[str, int] | None = None
+    film: bool = False
 
 
-#: Report and PNG of a finished run.
-_Result = tuple[dict[str, Any], bytes | None]
+#: Report of a finished run, and its files by name: picture and film.
+_Result = tuple["Report", dict[str, bytes]]
 
 
 def run(
@@ -86,6 +116,8 @@ def run(
     retries: int = 2,
     adapter: str | None = None,
     picture: bool = True,
+    film: Literal["vtkhdf"] | None = None,
+    each: Callable[[Case], Mapping[str, Any]] | None = None,
     checkpoint_every: int | None = None,
 ) -> list[Case]:
     """Runs the scene for its duration with every combination of the values.
@@ -100,6 +132,10 @@ def run(
         retries: how often a case that fails, or whose worker dies, is started again.
         adapter: as `Simulation`'s.
         picture: whether the last state of each case is drawn.
+        film: "vtkhdf" writes every frame of hair and air into the case's folder; not with checkpoint_every, as a case that goes
+            on has not the frames before.
+        each: called with every case that has finished, in this process; what it returns becomes `case.numbers`, and columns of
+            the table.
         checkpoint_every: steps after which a case that runs on this machine writes a checkpoint into its folder, from which
             it goes on when it is started again; None: it starts anew.
 
@@ -115,23 +151,65 @@ def run(
         raise ValueError(f"expected workers >= 1 and retries >= 0, found {workers} and {retries}")
     if checkpoint_every is not None and checkpoint_every < 1:
         raise ValueError(f"checkpoint_every: expected at least 1 step, found {checkpoint_every}")
-    cases = _cases(scene, vary, Path(out))
+    if film not in (None, "vtkhdf") or (film and checkpoint_every is not None):
+        raise ValueError(f'film: expected "vtkhdf", without checkpoint_every, or None; found {film!r}')
+    cases = _cases(scene, vary, Path(out), bool(film))
     missing = [case for case in cases if case.status == "waiting"]
     every = checkpoint_every if client is None else None
-    jobs = {case.index: _Job(case._text, adapter, picture, _checkpoint(case, every)) for case in missing}
+    jobs = {case.index: _Job(case._text, adapter, picture, _checkpoint(case, every), bool(film)) for case in missing}
     work = _locally(missing, jobs, workers, retries) if client is None else _on(client, missing, jobs, retries)
     try:
-        for case, result in work:
+        for case, result in _shown(work, len(missing)):
             _settle(case, result)
             _write_table(cases, vary, Path(out))
     finally:
         work.close()
+    for case in cases if each else []:
+        if case.status != "failed":
+            case.numbers = dict(each(case))  # type: ignore[misc]
     _write_table(cases, vary, Path(out))
     _write_sheet(cases, Path(out) / "sheet.png")
     return cases
 
 
-def _cases(scene: Scene, vary: Mapping[str, Sequence[Any]], out: Path) -> list[Case]:
+def ensemble(scene: Scene, seeds: Sequence[int], out: str | os.PathLike[str], *, key: str = "seed", **options: Any) -> Spread:
+    """Runs the scene with each seed: the mean and the spread of every number of its reports and of what `each` returns.
+
+        spread = ws.ensemble(scene, range(8), "ensemble", film="vtkhdf", each=lambda case: ws.measure(case.folder))
+        spread.mean["swing_m"], spread.spread["swing_m"]
+
+    Args:
+        key: "seed" for all chance, "air.seed" for another wind over the same hair, "hair.seed" for other hair in the same wind.
+        options: as `run`'s.
+
+    Raises:
+        RuntimeError: no case finished.
+    """
+    cases = run(scene, {key: list(seeds)}, out, **options)
+    numbers = [{**case.report, **case.numbers} for case in cases if case.status != "failed"]
+    if not numbers:
+        raise RuntimeError(f"no case finished: {cases[0].error}")
+    names = [name for name in numbers[0] if all(_is_number(own.get(name)) for own in numbers)]
+    columns = {name: [float(own[name]) for own in numbers] for name in names}
+    spread = {name: stdev(own) if len(own) > 1 else float("nan") for name, own in columns.items()}
+    return Spread({name: fmean(own) for name, own in columns.items()}, spread, cases)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def _shown(work: Iterable[tuple[Case, _Result | None]], count: int) -> Iterable[tuple[Case, _Result | None]]:
+    """The cases as they finish, with a bar in a terminal if tqdm is installed."""
+    try:
+        from tqdm.auto import tqdm  # type: ignore[import-untyped]
+    except ImportError:
+        return work
+    bar: Iterable[tuple[Case, _Result | None]] = tqdm(work, "sweep", count, unit="case", disable=None)
+    return bar
+
+
+def _cases(scene: Scene, vary: Mapping[str, Sequence[Any]], out: Path, film: bool) -> list[Case]:
     cases, faults = [], []
     for index, values in enumerate(itertools.product(*vary.values())):
         case = Case(index, dict(zip(vary, values)), out / f"{index:04}")
@@ -145,7 +223,7 @@ def _cases(scene: Scene, vary: Mapping[str, Sequence[Any]], out: Path) -> list[C
         raise faults[0]
     for case in cases:
         case.folder.mkdir(parents=True, exist_ok=True)
-        if case.status == "waiting" and (report := _report(case)):
+        if case.status == "waiting" and (report := _report(case, film)):
             case.status, case.report = "skipped", report
         elif case.status == "failed":
             _settle(case, None)
@@ -160,13 +238,15 @@ def _checkpoint(case: Case, every: int | None) -> tuple[str, int] | None:
     return str((case.folder / f"{_CHECKPOINT}{name}").absolute()), every
 
 
-def _report(case: Case) -> dict[str, Any] | None:
+def _report(case: Case, film: bool) -> Report | None:
     """The report that the case's folder has, if it is of just this scene and of a run that did not fail."""
     try:
         if (case.folder / "scene.toml").read_bytes() != case._text.encode():
             return None
+        if film and not list(case.folder.glob("*.vtkhdf")):
+            return None
         report = json.loads((case.folder / "report.json").read_text(encoding="utf-8"))
-        return report if isinstance(report, dict) and "failure" not in report else None
+        return cast("Report", report) if isinstance(report, dict) and "failure" not in report else None
     except (OSError, ValueError):
         return None
 
@@ -180,16 +260,23 @@ def _simulate(job: _Job) -> _Result:
         # There is none, or it is not whole.
         sim = Simulation(Scene.parse(job.text), adapter=job.adapter)
     saved = sim.steps
-    for _ in sim.frames():
-        if every and sim.steps >= saved + every:
-            sim.save(path)
-            saved = sim.steps
-    drawn = None
-    if job.picture:
-        with tempfile.TemporaryDirectory() as folder:
-            write_png(Path(folder) / "picture.png", sim.render())
-            drawn = (Path(folder) / "picture.png").read_bytes()
-    return sim.report(), drawn
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        film = Writer(folder, sim, formats=["vtkhdf"]) if job.film else None
+        if film:
+            film.append(sim)
+        for _ in sim.frames():
+            if film:
+                film.append(sim)
+            if every and sim.steps >= saved + every:
+                sim.save(path)
+                saved = sim.steps
+        if film:
+            film.close()
+        if job.picture:
+            write_png(folder / "picture.png", sim.render())
+        files = {name: (folder / name).read_bytes() for name in _FILES if (folder / name).exists()}
+    return sim.report(), files
 
 
 def _simulate_on_a_worker(job: _Job, topic: str) -> _Result:
@@ -213,8 +300,7 @@ def _locally(
                 case, folder = waiting.pop(), tempfile.TemporaryDirectory()
                 case.attempts += 1
                 job = jobs[case.index]
-                words = {"text": job.text, "adapter": job.adapter, "picture": job.picture, "checkpoint": job.checkpoint}
-                (Path(folder.name) / "job.json").write_text(json.dumps(words), encoding="utf-8")
+                (Path(folder.name) / "job.json").write_text(json.dumps(asdict(job)), encoding="utf-8")
                 with open(Path(folder.name) / "log.txt", "wb") as log:
                     command = [sys.executable, "-m", "windswept.sweep", folder.name]
                     process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=log, stderr=log)
@@ -246,8 +332,7 @@ def _fetch(case: Case, folder: Path, status: int) -> _Result | None:
         words = said[-1] if said else case._log[-200:] or "no words"
         case.error = f"the process ended with status {status}: {words}"
         return None
-    drawn = folder / "picture.png"
-    return report, drawn.read_bytes() if drawn.exists() else None
+    return report, {file.name: file.read_bytes() for file in (folder / "files").iterdir()}
 
 
 def _on(
@@ -292,30 +377,29 @@ def _on(
 
 def _settle(case: Case, result: _Result | None) -> None:
     # The folder may hold files of another case that had this number, or of an earlier try.
-    for name in ("report.json", "scene.toml", "picture.png", "error.txt"):
+    for name in ("report.json", "scene.toml", "error.txt", *_FILES):
         (case.folder / name).unlink(missing_ok=True)
-    if result is not None:
-        for checkpoint in case.folder.glob(f"{_CHECKPOINT}*"):
-            checkpoint.unlink()
+    for checkpoint in case.folder.glob(f"{_CHECKPOINT}*") if result is not None else []:
+        checkpoint.unlink()
     if result is None:
         case.status = "failed"
         _write(case.folder / "error.txt", "\n\n".join(filter(None, [case.error, case._log])) + "\n")
         return
     case.status = "finished"
-    case.report, drawn = result
-    if drawn is not None:
-        _write(case.folder / "picture.png", drawn)
+    case.report, files = result
+    for name, content in files.items():
+        _write(case.folder / name, content)
     _write(case.folder / "scene.toml", case._text)
     # The report comes last: who finds it finds a finished case.
     _write(case.folder / "report.json", json.dumps(case.report, indent=2) + "\n")
 
 
 def _write_table(cases: list[Case], vary: Mapping[str, Sequence[Any]], out: Path) -> None:
-    lines: list[list[Any]] = [["case", "status", "attempts", *vary, *_REPORTED, "error"]]
+    own = list({name: None for case in cases for name in case.numbers})
+    lines: list[list[Any]] = [["case", "status", "attempts", *vary, *_REPORTED, *own, "error"]]
     for case in cases:
-        values = [value if isinstance(value, str) else json.dumps(value, default=_plain) for value in case.values.values()]
-        reported = [case.report.get(key, "") for key in _REPORTED]
-        lines.append([case.folder.name, case.status, case.attempts, *values, *reported, case.error or ""])
+        reported = [case.report.get(key, "") for key in _REPORTED] + [case.numbers.get(name, "") for name in own]
+        lines.append([case.folder.name, case.status, case.attempts, *_said(case).values(), *reported, case.error or ""])
     partial = out / "table.csv.part"
     with open(partial, "w", newline="", encoding="utf-8") as file:
         csv.writer(file).writerows(lines)
@@ -325,18 +409,34 @@ def _write_table(cases: list[Case], vary: Mapping[str, Sequence[Any]], out: Path
 def _write_sheet(cases: list[Case], path: Path) -> None:
     """Puts the pictures of all cases side by side. The sheet of an earlier call does not stay where there is none now."""
     path.unlink(missing_ok=True)
-    pictures = [case.folder / "picture.png" for case in cases if (case.folder / "picture.png").exists()]
+    drawn = [case for case in cases if (case.folder / "picture.png").exists()]
     try:
-        if pictures:
-            contact_sheet(pictures, path)
+        with tempfile.TemporaryDirectory() as folder:
+            if drawn:
+                contact_sheet([_labelled(case, Path(folder)) for case in drawn], path)
     except ExportError as error:
         # Cameras may be what varies.
         warnings.warn(f"{path} is not made: {error}", stacklevel=3)
 
 
-def _plain(value: Any) -> Any:
-    """A number or an array of NumPy as Python's own; anything that no scene takes as its words."""
-    return value.tolist() if hasattr(value, "tolist") else str(value)
+def _said(case: Case) -> dict[str, str]:
+    """The values of a case as words."""
+    return {key: value if isinstance(value, str) else json.dumps(plain(value), default=str) for key, value in case.values.items()}
+
+
+def _labelled(case: Case, folder: Path) -> Path:
+    """A picture of the case that says its values, if Pillow is installed."""
+    picture = case.folder / "picture.png"
+    try:
+        from PIL import Image, ImageDraw
+    except ImportError:
+        return picture
+    labelled = folder / f"{case.folder.name}.png"
+    with Image.open(picture) as drawn:
+        words = "\n".join(f"{key} = {value}" for key, value in _said(case).items())
+        ImageDraw.Draw(drawn).multiline_text((4, 2), words, fill="white", stroke_width=1, stroke_fill="black")
+        drawn.save(labelled)
+    return labelled
 
 
 def _write(path: Path, content: str | bytes) -> None:
@@ -349,9 +449,10 @@ def _write(path: Path, content: str | bytes) -> None:
 def _main(folder: Path) -> None:
     """Runs the case of a folder: `python -m windswept.sweep FOLDER` is the process of a case."""
     job = _Job(**json.loads((folder / "job.json").read_text(encoding="utf-8")))
-    report, drawn = _simulate(job)
-    if drawn is not None:
-        (folder / "picture.png").write_bytes(drawn)
+    report, files = _simulate(job)
+    (folder / "files").mkdir()
+    for name, content in files.items():
+        (folder / "files" / name).write_bytes(content)
     _write(folder / "report.json", json.dumps(report))
 
 

@@ -56,7 +56,7 @@ pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(),
         output.dir().display(),
         report.steps,
         started.elapsed().as_secs_f64(),
-        report.ms_per_step.map(|ms| format!(" ({ms:.1} ms a step)")).unwrap_or_default(),
+        report.ms_per_step.map(|ms| format!(" (median {ms:.1} ms a step)")).unwrap_or_default(),
     );
     if report.steps < steps {
         return Err(Failure::Interrupted(format!("interrupted; {done}")));

@@ -36,21 +36,25 @@ pub(crate) fn of_value(name: &str, what: impl std::fmt::Display) -> PyErr {
 }
 
 pub(crate) fn scene_error(py: Python<'_>, error: &windswept_scene::SceneError) -> PyErr {
-    // Assignments come from keyword arguments here: their key says enough.
-    let assigned = error.line().is_none() && error.source_name().starts_with("--set ");
-    let words = match (assigned, error.key()) {
-        (true, Some(key)) => {
-            let help = error.help().map(|help| format!("; {help}")).unwrap_or_default();
-            format!("{key}: {}{help}", error.message())
-        }
-        (true, None) => format!("{}: {}", error.source_text(), error.message()),
-        _ => error.to_string(),
+    // Assignments come from keyword arguments here, and a scene of code has no text: keys say enough.
+    let is_code = |error: &windswept_scene::SceneError| {
+        let name = error.source_name();
+        name.is_empty() || error.line().is_none() && name.starts_with("--set ")
+    };
+    let said = |error: &windswept_scene::SceneError| {
+        let help = error.help().map(|help| format!("; {help}")).unwrap_or_default();
+        format!("{}: {}{help}", error.key().unwrap_or(error.source_text()), error.message())
+    };
+    let words = if is_code(error) {
+        std::iter::once(error).chain(error.others()).map(said).collect::<Vec<_>>().join("\n")
+    } else {
+        error.to_string()
     };
     let raised = SceneError::new_err(words);
     let value = raised.value(py);
     // Attributes of an exception can be set; if not, its words still say it all.
     let _ = value.setattr("key", error.key());
-    let _ = value.setattr("line", error.line());
+    let _ = value.setattr("line", error.line().filter(|_| !is_code(error)));
     let _ = value.setattr("help", error.help());
     raised
 }

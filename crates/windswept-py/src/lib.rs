@@ -15,6 +15,7 @@ mod errors;
 mod frames;
 mod gpu;
 mod groom;
+mod keys;
 mod measure;
 mod ops;
 mod pictures;
@@ -74,11 +75,11 @@ fn command(py: Python<'_>, arguments: Vec<OsString>) -> PyResult<u8> {
 fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add("__version__", env!("CARGO_PKG_VERSION"))?;
     errors::add(m)?;
-    m.add_class::<scene::Scene>()?;
+    m.add_class::<scene::CheckedScene>()?;
     m.add_class::<groom::Groom>()?;
     m.add_class::<simulation::Simulation>()?;
-    m.add_class::<views::Hair>()?;
-    m.add_class::<views::Air>()?;
+    m.add_class::<views::HairState>()?;
+    m.add_class::<views::AirState>()?;
     m.add_class::<views::Followers>()?;
     m.add_class::<frames::Frame>()?;
     m.add_class::<frames::FrameHair>()?;
@@ -89,6 +90,7 @@ fn _native(m: &Bound<'_, PyModule>) -> PyResult<()> {
     m.add_function(wrap_pyfunction!(writer::formats, m)?)?;
     m.add_function(wrap_pyfunction!(adapters, m)?)?;
     m.add_function(wrap_pyfunction!(command, m)?)?;
+    m.add_function(wrap_pyfunction!(keys::_keys, m)?)?;
     measure::add(m)?;
     pictures::add(m)?;
     ops::add(m)

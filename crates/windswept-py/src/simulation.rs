@@ -25,8 +25,8 @@ use crate::{
     frames::{Frame, Frames},
     gpu,
     groom::Groom,
-    scene::Scene,
-    views::{Air, Followers, Hair, Snapshot},
+    scene::{checked, parsed},
+    views::{AirState, Followers, HairState, Snapshot},
     warn::warn,
     without_gil,
 };
@@ -98,7 +98,8 @@ impl Simulation {
 impl Simulation {
     #[new]
     #[pyo3(signature = (scene, groom=None, adapter=None))]
-    fn new(py: Python<'_>, scene: &Scene, groom: Option<&Groom>, adapter: Option<&str>) -> PyResult<Self> {
+    fn new(py: Python<'_>, scene: &Bound<'_, PyAny>, groom: Option<&Groom>, adapter: Option<&str>) -> PyResult<Self> {
+        let scene = checked(scene)?;
         let gpu = gpu::device(py, adapter)?;
         let made = without_gil(py, || match groom {
             Some(groom) => windswept::Simulation::with_groom(&gpu, &scene.inner, &groom.inner),
@@ -187,11 +188,11 @@ impl Simulation {
         self.engine(py, |sim| sim.dt())
     }
 
-    /// The scene as it runs: without its [hair] where a groom replaced it, with the wind that `set_wind` set.
+    /// The scene as it runs: without its [hair] where a groom replaced it, with the wind that `set_wind` set. A
+    /// copy: `update` takes a changed one.
     #[getter]
-    fn scene(&self, py: Python<'_>) -> PyResult<Scene> {
-        let text = self.engine(py, |sim| sim.scene().text().to_owned())?;
-        Scene::of(py, windswept_scene::Scene::parse(&text))
+    fn scene<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        parsed(py, &self.engine(py, |sim| sim.scene().text().to_owned())?)
     }
 
     /// The adapter that runs it: name, backend, driver, kind.
@@ -202,14 +203,14 @@ impl Simulation {
 
     /// The strands now.
     #[getter]
-    fn hair(slf: &Bound<'_, Self>) -> Hair {
-        Hair { sim: slf.clone().unbind() }
+    fn hair(slf: &Bound<'_, Self>) -> HairState {
+        HairState { sim: slf.clone().unbind() }
     }
 
     /// The air particles now.
     #[getter]
-    fn air(slf: &Bound<'_, Self>) -> Air {
-        Air { sim: slf.clone().unbind() }
+    fn air(slf: &Bound<'_, Self>) -> AirState {
+        AirState { sim: slf.clone().unbind() }
     }
 
     /// All hairs that the strands stand for, now: those of the groom, or of the scene's groom file, where it has more
@@ -355,15 +356,18 @@ impl Simulation {
     ///
     /// Raises:
     ///     SceneError: a fault of the scene, or the key of a value that a simulation keeps.
-    #[pyo3(signature = (scene=None, **changes))]
-    fn update(&self, py: Python<'_>, scene: Option<&Scene>, changes: Option<&Bound<'_, PyDict>>) -> PyResult<()> {
-        let mut next = match scene {
-            Some(scene) => scene.clone(),
-            None => self.scene(py)?,
-        };
+    #[pyo3(signature = (scene=None, /, **changes))]
+    fn update(
+        &self,
+        py: Python<'_>,
+        scene: Option<&Bound<'_, PyAny>>,
+        changes: Option<&Bound<'_, PyDict>>,
+    ) -> PyResult<()> {
+        let mut next = scene.cloned().map_or_else(|| self.scene(py), Ok)?;
         if changes.is_some() {
-            next = next.replace(py, changes)?;
+            next = next.call_method("replace", (), changes)?;
         }
+        let next = checked(&next)?;
         self.engine(py, |sim| sim.update(&next.inner))?.map_err(|error| of_start(py, &error))?;
         // The camera may be another one.
         lock(&self.renderer).take();

@@ -1,9 +1,12 @@
-//! Python values as TOML.
+//! Python values as TOML, and back.
 
 use pyo3::{
+    IntoPyObjectExt,
     prelude::*,
     types::{PyBool, PyDict, PyFloat, PyInt, PyList, PyString, PyTuple},
 };
+
+use toml_edit::{DocumentMut, Item, TableLike, Value};
 
 use crate::errors::of_value;
 
@@ -11,7 +14,7 @@ use crate::errors::of_value;
 const DEEPEST: usize = 8;
 
 /// The value of `key`: bool, int, float, str, list, tuple, dict, NumPy's scalars and arrays.
-pub(crate) fn value(key: &str, object: &Bound<'_, PyAny>) -> PyResult<String> {
+pub(crate) fn text(key: &str, object: &Bound<'_, PyAny>) -> PyResult<String> {
     nested(key, object, DEEPEST)
 }
 
@@ -56,4 +59,41 @@ fn nested(key: &str, object: &Bound<'_, PyAny>, deep: usize) -> PyResult<String>
 fn quoted(key: &str, text: &str) -> PyResult<String> {
     let json = serde_json::to_string(text).map_err(|e| of_value(key, e))?;
     Ok(json.replace('\u{7f}', "\\u007f"))
+}
+
+/// The values of a TOML text, as a dict.
+pub(crate) fn values<'py>(py: Python<'py>, text: &str) -> PyResult<Bound<'py, PyDict>> {
+    let document: DocumentMut = text.parse().map_err(|error| of_value("scene", error))?;
+    table(py, document.as_table())
+}
+
+fn table<'py>(py: Python<'py>, table: &dyn TableLike) -> PyResult<Bound<'py, PyDict>> {
+    let dict = PyDict::new(py);
+    for (name, item) in table.iter() {
+        match item {
+            Item::ArrayOfTables(array) => {
+                let tables = array.iter().map(|inner| self::table(py, inner)).collect::<PyResult<Vec<_>>>()?;
+                dict.set_item(name, tables)?;
+            }
+            Item::Table(inner) => dict.set_item(name, self::table(py, inner)?)?,
+            Item::Value(value) => dict.set_item(name, object(py, value)?)?,
+            Item::None => {}
+        }
+    }
+    Ok(dict)
+}
+
+/// A value of a key; no scene has dates.
+fn object<'py>(py: Python<'py>, value: &Value) -> PyResult<Bound<'py, PyAny>> {
+    match value {
+        Value::String(text) => text.value().into_bound_py_any(py),
+        Value::Integer(number) => number.value().into_bound_py_any(py),
+        Value::Float(number) => number.value().into_bound_py_any(py),
+        Value::Boolean(flag) => flag.value().into_bound_py_any(py),
+        Value::Datetime(date) => date.to_string().into_bound_py_any(py),
+        Value::Array(array) => {
+            array.iter().map(|item| object(py, item)).collect::<PyResult<Vec<_>>>()?.into_bound_py_any(py)
+        }
+        Value::InlineTable(inner) => Ok(table(py, inner)?.into_any()),
+    }
 }

@@ -37,12 +37,12 @@ impl Snapshot {
 ///
 /// Every array is a copy of the state now; write with `sim.set_hair`.
 #[pyclass(frozen, module = "windswept")]
-pub(crate) struct Hair {
+pub(crate) struct HairState {
     pub(crate) sim: Py<Simulation>,
 }
 
 #[pymethods]
-impl Hair {
+impl HairState {
     /// `(points, 3)` float32 [m].
     #[getter]
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
@@ -79,7 +79,7 @@ impl Hair {
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let sizes = self.sim.get().engine(py, |sim| sim.engine().sizes())?;
-        Ok(format!("<windswept.Hair: {} strands, {} points>", sizes.strands, sizes.hair_points))
+        Ok(format!("<windswept.HairState: {} strands, {} points>", sizes.strands, sizes.hair_points))
     }
 }
 
@@ -132,12 +132,12 @@ impl Followers {
 ///
 /// Every array is a copy of the state now; write with `sim.set_air`.
 #[pyclass(frozen, module = "windswept")]
-pub(crate) struct Air {
+pub(crate) struct AirState {
     pub(crate) sim: Py<Simulation>,
 }
 
 #[pymethods]
-impl Air {
+impl AirState {
     /// `(n, 3)` float32 [m], wrapped into the box.
     #[getter]
     fn positions<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
@@ -184,6 +184,6 @@ impl Air {
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let sizes = self.sim.get().engine(py, |sim| sim.engine().sizes())?;
-        Ok(format!("<windswept.Air: {} particles>", sizes.air()))
+        Ok(format!("<windswept.AirState: {} particles>", sizes.air()))
     }
 }

@@ -44,30 +44,34 @@ impl<T> Row<T> {
 }
 
 /// A field of a table: a value, a table, a list of tables, or one of them that may be absent.
-pub(crate) trait Field: Sized {
+pub(crate) trait Field: Written + Sized {
     /// The field in a checked scene.
     type Checked;
     /// Appends the keys of the field, which is in the table at `path`, to `all`.
     fn list(row: Row<Self>, path: &str, all: &mut Vec<Key>);
     /// Value of the table, else the default; `None` where there is neither. A fault that was found also leaves `None`.
     fn read(row: Row<Self>, reader: &Reader<'_>) -> Option<Self>;
-    /// Writes the field as the key of this name.
-    fn write(&self, name: &'static str, writer: &mut Writer);
     /// The field in a checked scene; finds values that their keys do not take, and such as do not go together. `None`
     /// where a fault leaves no value.
     fn check(&self, name: &'static str, kind: Kind, scene: &Scene, at: &At<'_>) -> Option<Self::Checked>;
 }
 
+/// A field of a scene as it is written, or of a checked one, which a text can say.
+pub(crate) trait Written {
+    /// Writes the field as the key of this name, or as keys of the table itself where the name is empty.
+    fn write(&self, name: &'static str, writer: &mut Writer);
+}
+
 /// A table: the keys of a struct or of an enum. [`table!`] and [`variants!`] implement it.
-pub(crate) trait Keys: Sized {
+pub(crate) trait Keys: Written + Sized {
+    /// Name of the struct or of the enum.
+    const NAME: &'static str;
     /// The table in a checked scene.
     type Checked;
     /// Appends the keys of the table at `path` to `all`.
     fn list(path: &str, all: &mut Vec<Key>);
     /// Reads the table; `None` where it has a fault.
     fn read(reader: &Reader<'_>) -> Option<Self>;
-    /// Writes every key of the table.
-    fn write(&self, writer: &mut Writer);
     /// The table in a checked scene; finds values that their keys do not take, and where there are none, such as do not
     /// go together.
     fn check(&self, scene: &Scene, at: &At<'_>) -> Option<Self::Checked>;
@@ -102,7 +106,8 @@ impl<T> Row<T> {
         // The first paragraph, on one line and without Markdown.
         let lines = self.doc.lines().map(str::trim).take_while(|line| !line.is_empty());
         let help = lines.collect::<Vec<_>>().join(" ").replace('`', "").trim_end_matches('.').to_owned();
-        Key { path: join(path, self.name), kind: self.kind, unit: self.unit, help, default: self.default.map(default) }
+        let (path, default) = (join(path, self.name), self.default.map(default));
+        Key { path, kind: self.kind, unit: self.unit, help, default, table: "", variants: Vec::new() }
     }
 }
 
@@ -121,7 +126,7 @@ impl<T: Keys> Field for T {
     fn list(row: Row<Self>, path: &str, all: &mut Vec<Key>) {
         let own = join(path, row.name);
         if !row.name.is_empty() {
-            all.push(row.key(path, |_| String::new()));
+            all.push(Key { table: T::NAME, ..row.key(path, |_| String::new()) });
         }
         T::list(&own, all);
     }
@@ -131,15 +136,20 @@ impl<T: Keys> Field for T {
         T::read(&reader.table(row.name))
     }
 
-    fn write(&self, name: &'static str, writer: &mut Writer) {
-        match name {
-            "" => T::write(self, writer),
-            _ => writer.table(name, false, |inner| T::write(self, inner)),
-        }
-    }
-
     fn check(&self, name: &'static str, _: Kind, scene: &Scene, at: &At<'_>) -> Option<T::Checked> {
         T::check(self, scene, &at.table(name))
+    }
+}
+
+impl<T: Written> Written for Option<T> {
+    fn write(&self, name: &'static str, writer: &mut Writer) {
+        self.iter().for_each(|value| value.write(name, writer));
+    }
+}
+
+impl<T: Written> Written for Vec<T> {
+    fn write(&self, name: &'static str, writer: &mut Writer) {
+        self.iter().for_each(|table| writer.table(name, true, |inner| table.write("", inner)));
     }
 }
 
@@ -159,12 +169,6 @@ impl<T: Field> Field for Option<T> {
     fn read(row: Row<Self>, reader: &Reader<'_>) -> Option<Self> {
         let has_default = matches!(row.default, Fallback::Value(Some(_)));
         if has_default || row.is_spelled(reader) { T::read(row.inner(), reader).map(Some) } else { Some(None) }
-    }
-
-    fn write(&self, name: &'static str, writer: &mut Writer) {
-        if let Some(value) = self {
-            value.write(name, writer);
-        }
     }
 
     fn check(&self, name: &'static str, kind: Kind, scene: &Scene, at: &At<'_>) -> Option<Self::Checked> {
@@ -208,12 +212,6 @@ impl<T: Keys> Field for Vec<T> {
         all.into_iter().collect()
     }
 
-    fn write(&self, name: &'static str, writer: &mut Writer) {
-        for table in self {
-            writer.table(name, true, |inner| T::write(table, inner));
-        }
-    }
-
     fn check(&self, name: &'static str, _: Kind, scene: &Scene, at: &At<'_>) -> Option<Self::Checked> {
         if let Some(words) = most_of(&at.path(name), self.len()) {
             at.fault(name, words);
@@ -228,6 +226,12 @@ impl<T: Keys> Field for Vec<T> {
 /// Makes fields of values. A blanket implementation would overlap with that of tables.
 macro_rules! leaves {
     ($($type:ty),+) => {$(
+        impl $crate::declare::Written for $type {
+            fn write(&self, name: &'static str, writer: &mut $crate::write::Writer) {
+                writer.pair(name, $crate::declare::Leaf::toml(self));
+            }
+        }
+
         impl $crate::declare::Field for $type {
             type Checked = Self;
 
@@ -237,10 +241,6 @@ macro_rules! leaves {
 
             fn read(row: $crate::declare::Row<Self>, reader: &$crate::reader::Reader<'_>) -> Option<Self> {
                 $crate::declare::read_leaf(row, reader)
-            }
-
-            fn write(&self, name: &'static str, writer: &mut $crate::write::Writer) {
-                writer.pair(name, $crate::declare::Leaf::toml(self));
             }
 
             fn check(
@@ -397,4 +397,6 @@ impl Leaf for [f64; 3] {
 leaves!(f64, u32, u64, bool, String, [f64; 3]);
 
 pub(crate) use leaves;
-pub(crate) use tables::{defaults, either, name, option, read, resolved, row, table, unit_note, variants, words};
+pub(crate) use tables::{
+    defaults, either, name, option, read, resolved, row, table, unit_note, variants, words, written,
+};

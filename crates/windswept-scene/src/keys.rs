@@ -67,6 +67,21 @@ pub struct Key {
     pub unit: &'static str,
     /// Meaning, one line.
     pub help: String,
+    /// Name of the struct or enum of a table; empty for values.
+    pub table: &'static str,
+    /// Of a choice of tables that a key names, such as `hair.roots.shape`: the tables that have this key.
+    pub variants: Vec<Variant>,
+}
+
+/// A table of a choice.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Variant {
+    /// Name of the enum's variant.
+    pub name: &'static str,
+    /// Name of its struct.
+    pub table: &'static str,
+    /// Meaning.
+    pub doc: &'static str,
 }
 
 /// Every key, table by table.

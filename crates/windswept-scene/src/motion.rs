@@ -6,7 +6,7 @@ use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    declare::{Field, Row, table},
+    declare::{Field, Row, Written, table},
     faults::At,
     keys::{
         Fallback::{Required, Value},
@@ -104,6 +104,12 @@ impl<const N: usize> From<[Keyframe; N]> for Motion {
     }
 }
 
+impl Written for Motion {
+    fn write(&self, name: &'static str, writer: &mut Writer) {
+        self.keyframes.write(name, writer);
+    }
+}
+
 /// A motion is spelled as the list of its keyframes.
 impl Field for Motion {
     type Checked = Self;
@@ -114,10 +120,6 @@ impl Field for Motion {
 
     fn read(row: Row<Self>, reader: &Reader<'_>) -> Option<Self> {
         Vec::<Keyframe>::read(row.of_parts(), reader).map(|keyframes| Self { keyframes })
-    }
-
-    fn write(&self, name: &'static str, writer: &mut Writer) {
-        self.keyframes.write(name, writer);
     }
 
     /// Times must rise, and turns must be less than half a turn.

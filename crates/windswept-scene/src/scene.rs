@@ -21,7 +21,7 @@ use std::{borrow::Cow, collections::HashSet, f64::consts::PI, ops::Deref, path::
 
 use crate::{
     body::{Body, CheckedBody},
-    declare::{Field, Row, table, words},
+    declare::{Field, Row, Written, table, words},
     error::SceneError,
     faults::At,
     force::{CheckedForce, Force},
@@ -134,6 +134,10 @@ impl PartialEq for Source {
     }
 }
 
+impl Written for Source {
+    fn write(&self, _: &'static str, _: &mut Writer) {}
+}
+
 /// The text has no keys of its own; [`Scene::parse`] puts it in.
 impl Field for Source {
     type Checked = ();
@@ -143,8 +147,6 @@ impl Field for Source {
     fn read(_: Row<Self>, _: &Reader<'_>) -> Option<Self> {
         Some(Self::default())
     }
-
-    fn write(&self, _: &'static str, _: &mut Writer) {}
 
     fn check(&self, _: &'static str, _: Kind, _: &Scene, _: &At<'_>) -> Option<()> {
         Some(())

@@ -12,7 +12,7 @@ use glam::{DMat3, DQuat, DVec3};
 
 use crate::{
     curves::{file_bytes, no_unit},
-    declare::{Field, Row, table},
+    declare::{Field, Row, Written, table},
     error::SceneError,
     faults::At,
     keys::{
@@ -40,6 +40,8 @@ table! {
     /// A mesh file, and how its triangles become a solid.
     #[derive(Debug, Clone, PartialEq)]
     pub struct MeshFile, becomes Solid, by Solid::of_scene {
+        /// Solid of the caller's own, in place of the file's. A scene's text cannot say it.
+        solid as "": Option<Solid> = Table, "", Derived("");
         /// Mesh file whose triangles enclose the body (.obj, .ply, .glb).
         file: String = PathOf, "", Required;
         /// Metres per unit of the file: 0.01 for centimetres.
@@ -48,8 +50,6 @@ table! {
         up: Up = Choice(Up::WORDS), "", Value(Up::Y);
         /// Spacing of the grid of distances from the mesh.
         resolution: Option<f64> = Length, "m", Derived("0.002, or less: 128 cells along its longest side");
-        /// Solid of the caller's own, in place of the file's. A scene's text cannot say it.
-        solid as "": Option<Solid> = Table, "", Derived("");
     }
 }
 
@@ -58,6 +58,13 @@ impl MeshFile {
     #[must_use]
     pub fn new(file: impl Into<String>) -> Self {
         Self { file: file.into(), scale: None, up: Up::Y, resolution: None, solid: None }
+    }
+}
+
+/// A solid is written as its file.
+impl Written for Solid {
+    fn write(&self, name: &'static str, writer: &mut Writer) {
+        self.file.write(name, writer);
     }
 }
 
@@ -70,8 +77,6 @@ impl Field for Solid {
     fn read(_: Row<Self>, _: &Reader<'_>) -> Option<Self> {
         None
     }
-
-    fn write(&self, _: &'static str, _: &mut Writer) {}
 
     fn check(&self, _: &'static str, _: Kind, _: &Scene, _: &At<'_>) -> Option<Self> {
         Some(self.clone())

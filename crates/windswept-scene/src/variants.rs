@@ -2,7 +2,7 @@
 
 use crate::{
     declare::{Row, join},
-    keys::{Fallback, Key},
+    keys::{Fallback, Key, Variant},
     reader::Reader,
 };
 
@@ -10,6 +10,8 @@ use crate::{
 pub(crate) struct Choice {
     /// The word of each, for errors.
     pub(crate) words: &'static [&'static str],
+    /// Name and meaning of each.
+    pub(crate) variants: Vec<Variant>,
     /// The keys of each, and the words of the default of those that it needs.
     pub(crate) tables: Vec<(&'static str, Vec<Key>)>,
     /// The key that names the table, where there is one.
@@ -20,24 +22,27 @@ impl Choice {
     /// Appends the key that names the table and the keys of all tables, each once. A key that not every table needs says
     /// which one does.
     pub(crate) fn list(self, path: &str, all: &mut Vec<Key>) {
-        let first = all.len();
+        let (first, tagged) = (all.len(), self.tag.is_some());
         if let Some(tag) = self.tag {
-            all.push(tag.key(path, |word| format!("\"{word}\"")));
+            all.push(Key { variants: self.variants.clone(), ..tag.key(path, |word| format!("\"{word}\"")) });
         }
         let needed = |path: &str| {
             self.tables
                 .iter()
                 .all(|(_, keys)| keys.iter().any(|key| key.path == path && key.default == Fallback::Required))
         };
-        for (needs, keys) in &self.tables {
+        for ((needs, keys), variant) in self.tables.iter().zip(&self.variants) {
             for key in keys {
-                let path = join(path, &key.path);
-                if all[first..].iter().any(|other| other.path == path) {
+                let (path, own) = (join(path, &key.path), !key.path.contains('.'));
+                let variant = Some(*variant).filter(|_| own && tagged);
+                if let Some(known) = all[first..].iter_mut().find(|other| other.path == path) {
+                    known.variants.extend(variant);
                     continue;
                 }
-                let own = !key.path.contains('.') && key.default == Fallback::Required && !needed(&key.path);
-                let default = if own { Fallback::Derived(needs) } else { key.default.clone() };
-                all.push(Key { path, default, ..key.clone() });
+                let needed = own && key.default == Fallback::Required && !needed(&key.path);
+                let default = if needed { Fallback::Derived(needs) } else { key.default.clone() };
+                let variants = if own { variant.into_iter().collect() } else { key.variants.clone() };
+                all.push(Key { path, default, variants, ..key.clone() });
             }
         }
     }

@@ -260,7 +260,12 @@ fn a_scene_written_out_is_the_same_scene() {
         let again = Scene::parse(&text_of).unwrap_or_else(|error| panic!("{error}\n{text_of}"));
         assert_eq!(again, scene, "{text_of}");
         assert_eq!(again.to_toml(), text_of);
-        assert_eq!(*again.check().unwrap(), *scene.check().unwrap());
+        let checked = scene.check().unwrap();
+        assert_eq!(*again.check().unwrap(), *checked);
+        // So is the scene in which what follows from other values stands too.
+        let every = checked.to_toml();
+        assert_eq!(*Scene::parse(&every).unwrap().check().unwrap(), *checked, "{every}");
+        assert!(!paths(&every).contains_key("air") || paths(&every).contains_key("air.fringe"), "{every}");
         let written = paths(&text_of);
         for key in paths(text).into_keys() {
             assert!(written.contains_key(&key), "{key} is missing in {written:?}");

@@ -9,14 +9,20 @@ use crate::{Result, cargo, root, run, say, system, venv};
 /// PyPI packages by which tests read our files with other people's readers, as users do.
 pub(crate) const READERS: [&str; 5] = ["numpy", "h5py", "vtk", "pillow", "usd-core; python_version >= '3.11'"];
 /// Other packages that the Python package's tests and users import, and maturin, which builds it.
-const OTHERS: [&str; 8] =
-    ["maturin", "pytest", "pytest-xdist", "mypy", "matplotlib", "distributed", "tqdm", "jsonschema"];
+const OTHERS: [&str; 9] =
+    ["maturin", "pytest", "pytest-xdist", "mypy", "pyright[nodejs]", "matplotlib", "distributed", "tqdm", "jsonschema"];
 
 /// `cargo xtask python`.
 pub(crate) fn provide() -> Result {
     let python = install("release")?;
     println!("\n{} imports windswept; the wheel is in target/wheels", python.display());
     Ok(())
+}
+
+/// `cargo xtask stubs`.
+pub(crate) fn write_stubs() -> Result {
+    let python = install("dev")?;
+    run(Command::new(python).current_dir(root()).arg("python/generate.py"))
 }
 
 /// Builds the wheel and installs it; returns the Python that then imports it.

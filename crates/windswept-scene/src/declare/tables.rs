@@ -37,6 +37,7 @@ macro_rules! table {
     ) => {
         impl $crate::declare::Keys for $name {
             type Checked = $checked;
+            const NAME: &'static str = stringify!($name);
 
             fn list(path: &str, all: &mut Vec<$crate::keys::Key>) {
                 $(
@@ -51,10 +52,6 @@ macro_rules! table {
                     let $field = $crate::declare::read!($type, row, reader $(, $how)?);
                 )*
                 Some(Self { $($field: $field?),* })
-            }
-
-            fn write(&self, writer: &mut $crate::write::Writer) {
-                $($crate::declare::Field::write(&self.$field, $crate::declare::name!($field $($key)?), writer);)*
             }
 
             fn check(&self, scene: &$crate::scene::Scene, at: &$crate::faults::At<'_>) -> Option<$checked> {
@@ -102,6 +99,7 @@ macro_rules! table {
             }
         }
 
+        $crate::declare::written!($name { $($field $($key)?,)* });
         $($crate::declare::defaults!($name, $defaults);)?
     };
     // A checked scene has another struct.
@@ -167,6 +165,8 @@ macro_rules! table {
             }
         }
 
+        $crate::declare::written!($name { $($field $($key)?,)* $($($extra $($extra_key)?,)*)? });
+        $crate::declare::written!($checked { $($field $($key)?,)* });
         $($crate::declare::defaults!($name, $defaults);)?
     };
 }
@@ -193,7 +193,7 @@ macro_rules! variants {
         $(#[$meta:meta])*
         $vis:vis enum $name:ident => $checked:ident by $tag:literal = $default:expr, $doc:literal { $($variants:tt)+ }
     ) => {
-        $crate::declare::variants! { @checked $(#[$meta])* $vis enum $checked { $($variants)+ } }
+        $crate::declare::variants! { @checked $tag; $(#[$meta])* $vis enum $checked { $($variants)+ } }
         $crate::declare::variants! {
             @make $tag = $default, $doc, $checked; $(#[$meta])* $vis enum $name { $($variants)+ }
         }
@@ -202,13 +202,15 @@ macro_rules! variants {
         @make $tag:literal = $default:expr, $doc:literal, $checked:ident;
         $(#[$meta:meta])*
         $vis:vis enum $name:ident {
-            $($(#[$of_variant:meta])* $variant:ident($inner:ty $(as $other:ty)?) = $word:literal,)+
+            $($(#[doc = $doc_of:literal])+ $variant:ident($inner:ty $(as $other:ty)?) = $word:literal,)+
         }
     ) => {
         $(#[$meta])*
         $vis enum $name {
-            $($(#[$of_variant])* $variant($inner),)+
+            $($(#[doc = $doc_of])+ $variant($inner),)+
         }
+
+        $crate::declare::written!($name by $tag { $($variant = $word),+ });
 
         impl $name {
             /// Words that name the variants: those of the key, or for people where there is no key.
@@ -224,12 +226,18 @@ macro_rules! variants {
                 })+
                 let kind = $crate::keys::Kind::Choice(Self::WORDS);
                 let row = $crate::declare::Row { name: $tag, kind, unit: "", doc: $doc, default: $default };
-                $crate::variants::Choice { words: Self::WORDS, tables, tag: (!$tag.is_empty()).then_some(row) }
+                let variants = vec![$($crate::keys::Variant {
+                    name: stringify!($variant),
+                    table: stringify!($inner),
+                    doc: concat!($($doc_of),+),
+                }),+];
+                $crate::variants::Choice { words: Self::WORDS, variants, tables, tag: (!$tag.is_empty()).then_some(row) }
             }
         }
 
         impl $crate::declare::Keys for $name {
             type Checked = $checked;
+            const NAME: &'static str = stringify!($name);
 
             fn list(path: &str, all: &mut Vec<$crate::keys::Key>) {
                 Self::choice().list(path, all);
@@ -243,15 +251,6 @@ macro_rules! variants {
                 READ[Self::choice().of(reader)?](reader)
             }
 
-            fn write(&self, writer: &mut $crate::write::Writer) {
-                match self {
-                    $(Self::$variant(inner) => {
-                        writer.word($tag, $word);
-                        $crate::declare::Keys::write(inner, writer);
-                    })+
-                }
-            }
-
             fn check(&self, scene: &$crate::scene::Scene, at: &$crate::faults::At<'_>) -> Option<$checked> {
                 match self {
                     $(Self::$variant(inner) => {
@@ -262,13 +261,40 @@ macro_rules! variants {
         }
     };
     (
-        @checked $(#[$meta:meta])* $vis:vis enum $checked:ident {
+        @checked $tag:literal; $(#[$meta:meta])* $vis:vis enum $checked:ident {
             $($(#[$of_variant:meta])* $variant:ident($inner:ty $(as $other:ty)?) = $word:literal,)+
         }
     ) => {
         $(#[$meta])*
         $vis enum $checked {
             $($(#[$of_variant])* $variant($crate::declare::either!($inner $(, $other)?)),)+
+        }
+
+        $crate::declare::written!($checked by $tag { $($variant = $word),+ });
+    };
+}
+
+/// Writes the keys of a struct, or of an enum of tables.
+macro_rules! written {
+    ($name:ident { $($field:ident $($key:literal)?,)* }) => {
+        impl $crate::declare::Written for $name {
+            fn write(&self, name: &'static str, writer: &mut $crate::write::Writer) {
+                writer.table(name, false, |writer| {
+                    $($crate::declare::Written::write(&self.$field, $crate::declare::name!($field $($key)?), writer);)*
+                });
+            }
+        }
+    };
+    ($name:ident by $tag:literal { $($variant:ident = $word:literal),+ }) => {
+        impl $crate::declare::Written for $name {
+            fn write(&self, name: &'static str, writer: &mut $crate::write::Writer) {
+                writer.table(name, false, |writer| match self {
+                    $(Self::$variant(inner) => {
+                        writer.word($tag, $word);
+                        $crate::declare::Written::write(inner, "", writer);
+                    })+
+                });
+            }
         }
     };
 }
@@ -422,4 +448,4 @@ macro_rules! words {
     };
 }
 
-pub(crate) use {defaults, either, name, option, read, resolved, row, table, unit_note, variants, words};
+pub(crate) use {defaults, either, name, option, read, resolved, row, table, unit_note, variants, words, written};
