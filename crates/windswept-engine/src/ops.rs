@@ -69,7 +69,7 @@ pub struct Neighbours {
 }
 
 /// An operation that cannot be done.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum OpsError {
     /// An argument has a wrong length, is out of range, is not finite, or asks for too much.

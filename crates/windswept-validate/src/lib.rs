@@ -50,6 +50,8 @@ pub mod internals {
     };
 }
 
+use std::fmt;
+
 use windswept_engine::{Gpu, GpuError, RunError, ops::OpsError};
 use windswept_scene::SceneError;
 
@@ -121,7 +123,7 @@ pub const LONG_CHECKS: &[Check] = &[
 ];
 
 /// A check that could not be done.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A single pass failed.
@@ -142,4 +144,11 @@ pub enum Error {
     /// The state that a check needs did not come about.
     #[error("{0}")]
     Missing(String),
+}
+
+/// The text of [`fmt::Display`], which a `main` that returns the error prints.
+impl fmt::Debug for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
 }
