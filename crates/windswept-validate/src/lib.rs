@@ -21,6 +21,7 @@ mod reference;
 mod rods;
 mod row;
 mod runner;
+mod scenes;
 pub mod stress;
 mod taylor_green;
 mod tuft;
@@ -44,6 +45,7 @@ pub mod internals {
             BEND_OVER_TWIST, GRAVITY, Hanging, LENGTH, LINE_DENSITY, Rod, SEGMENTS, STRETCH, build, mode,
             scene as rods_scene, tips,
         },
+        scenes::{alone, in_wind},
         stress::chain_tip,
         vortex::circulation_kept,
         walls::Tunnel,
