@@ -1,5 +1,5 @@
 //! Code that the tests share: the software adapter, scenes made in code, particles in awkward numbers.
-#![allow(dead_code, unreachable_pub, clippy::unwrap_used, missing_docs)]
+#![allow(dead_code, unused_imports, unreachable_pub, clippy::unwrap_used, missing_docs)]
 
 pub mod fault;
 
