@@ -7,27 +7,19 @@ use std::sync::{Arc, Mutex};
 
 use glam::DVec3;
 use windswept::{Accelerations, Frame, RunError, Simulation};
-use windswept_scene::Scene;
+use windswept_scene::{Air, Force, Hair, Model, Roots, Scene, Time};
 
-/// The small brush with some keys set.
-fn scene(sets: &[&str]) -> Scene {
-    let text = include_str!("../examples/scenes/quick.toml");
-    let small = [
-        "air.box.max=[0.12,0.06,0.06]",
-        "hair.strands=12",
-        "hair.length=0.05",
-        "hair.points=7",
-        "hair.roots.center=[0.04,0.03,0.03]",
-        "hair.roots.radius=0.01",
-        "air.fringe=0.03",
-        "turbulence={bands=[]}",
-    ];
-    let sets: Vec<String> = small.iter().chain(sets).map(|&set| set.to_owned()).collect();
-    Scene::parse_with("quick.toml", text, &sets).unwrap()
+/// Few and short strands in a small box, in a wind along x \[m/s\].
+fn scene(model: Model, wind: f64) -> Scene {
+    let mut scene = Scene::new(Time { substeps: 4, ..Time::new(1.38e-3, 0.5) });
+    scene.interaction.model = Some(model);
+    scene.hair = vec![Hair::drawn(12, 7, 0.05, Roots::disc([0.04, 0.03, 0.03], 0.01).toward([1.0, 0.1, 0.0]))];
+    scene.air = Some(Air { fringe: Some(0.03), ..Air::filling([0.12, 0.06, 0.06]).wind([wind, 0.0, 0.0]) });
+    scene
 }
 
-fn simulation(sets: &[&str]) -> Simulation {
-    Simulation::new(&support::gpu(), &scene(sets)).unwrap()
+fn simulation(scene: &Scene) -> Simulation {
+    Simulation::new(&support::gpu(), scene).unwrap()
 }
 
 /// Accelerations of all hair and all air.
@@ -44,15 +36,16 @@ fn is_finite(frame: &Frame) -> bool {
 /// Accelerations of zero change no bit, and once a force is taken away the passes that it took are gone.
 #[test]
 fn no_acceleration_changes_nothing() {
-    for sets in [&[][..], &["air.wind=[0,0,0]"], &["interaction.model=particles"], &["interaction.model=drag"]] {
-        let (mut plain, mut pushed) = (simulation(sets), simulation(sets));
+    for (model, wind) in [(Model::TwoWay, 3.0), (Model::TwoWay, 0.0), (Model::Particles, 3.0), (Model::Drag, 3.0)] {
+        let scene = scene(model, wind);
+        let (mut plain, mut pushed) = (simulation(&scene), simulation(&scene));
         let nothing = all(&pushed, DVec3::ZERO, DVec3::ZERO);
         pushed.set_force(&nothing).unwrap();
         plain.step(4).unwrap();
         pushed.step(2).unwrap();
         pushed.set_force(&Accelerations::default()).unwrap();
         pushed.step(2).unwrap();
-        assert!(plain.frame().unwrap() == pushed.frame().unwrap(), "{sets:?}");
+        assert!(plain.frame().unwrap() == pushed.frame().unwrap(), "{model:?}, {wind} m/s");
     }
 }
 
@@ -60,8 +53,9 @@ fn no_acceleration_changes_nothing() {
 /// as the same arrays do when they are set; its error ends the stepping and says why.
 #[test]
 fn callbacks_are_asked_before_each_step() {
-    let sets = &["time.substeps=3"];
-    let (mut by_arrays, mut by_callback) = (simulation(sets), simulation(sets));
+    let mut scene = scene(Model::TwoWay, 3.0);
+    scene.time.substeps = 3;
+    let (mut by_arrays, mut by_callback) = (simulation(&scene), simulation(&scene));
     let force = |frame: &Frame| Accelerations {
         hair: frame.hair.positions.iter().map(|x| 200.0 * DVec3::new(0.0, f64::from(x[2]), f64::from(-x[1]))).collect(),
         air: frame.air.velocities.iter().map(|v| -5.0 * DVec3::from_array(v.map(f64::from))).collect(),
@@ -95,7 +89,10 @@ fn callbacks_are_asked_before_each_step() {
 /// A sleeping strand wakes when a force pushes it, sleeps again under it, and wakes when it is taken away.
 #[test]
 fn sleepers_wake_when_they_are_pushed() {
-    let mut simulation = simulation(&["interaction.model=none", "hair.roots.direction=[0,-1,0]", "rods.damping=200"]);
+    let mut scene = scene(Model::None, 0.0);
+    scene.hair = vec![Hair::drawn(12, 7, 0.05, Roots::disc([0.04, 0.03, 0.03], 0.01))];
+    scene.rods.damping = 200.0;
+    let mut simulation = simulation(&scene);
     let sleeping = |simulation: &mut Simulation| {
         simulation.step(400).unwrap();
         let count = |simulation: &mut Simulation| simulation.report().unwrap().strand_steps.unwrap()["sleeping_steps"];
@@ -123,7 +120,7 @@ fn sleepers_wake_when_they_are_pushed() {
 /// A wrong number of rows and numbers that cannot be are errors that name the array.
 #[test]
 fn wrong_accelerations_are_named() {
-    let mut simulation = simulation(&[]);
+    let mut simulation = simulation(&scene(Model::TwoWay, 3.0));
     let right = all(&simulation, DVec3::X, DVec3::X);
     for (force, words) in [
         (Accelerations { hair: vec![DVec3::X; 3], ..right.clone() }, "hair: expected 84 rows, found 3"),
@@ -144,25 +141,25 @@ fn wrong_accelerations_are_named() {
 /// numbers.
 #[test]
 fn harsh_fields_leave_numbers() {
-    let field = |keys: &str| format!("force={{origin=[0.05,0.03,0.03],{keys}}}");
-    for model in ["two-way", "particles", "drag"] {
-        for keys in [
-            "field='jet',axis=[1,0,0],reach=0.1,strength=100",
-            "field='vortex',axis=[0,0,1],reach=0.1,strength=-100",
-            "field='point',reach=0.1,strength=-100",
-            "field='jet',axis=[1,1,0],reach=0.001,strength=100,uptake=1e-18",
-            "field='vortex',axis=[1,1,0],reach=1e-18,strength=100",
-            "field='point',reach=1e18,radius=1e-18,strength=100",
+    const AT: [f64; 3] = [0.05, 0.03, 0.03];
+    for model in [Model::TwoWay, Model::Particles, Model::Drag] {
+        for force in [
+            Force::jet(AT, [1.0, 0.0, 0.0], 0.1, 100.0),
+            Force::vortex(AT, [0.0, 0.0, 1.0], 0.1, -100.0),
+            Force::point(AT, 0.1, -100.0),
+            Force { uptake: Some(1e-18), ..Force::jet(AT, [1.0, 1.0, 0.0], 1e-3, 100.0) },
+            Force::vortex(AT, [1.0, 1.0, 0.0], 1e-18, 100.0),
+            Force { radius: Some(1e-18), ..Force::point(AT, 1e18, 100.0) },
         ] {
-            let (model, field) = (format!("interaction.model={model}"), field(keys));
-            let mut simulation = simulation(&["air.wind=[0,0,0]", &model, &field]);
+            let scene = Scene { forces: vec![force], ..scene(model, 0.0) };
+            let mut simulation = simulation(&scene);
             match simulation.step(12) {
-                Ok(()) => assert!(is_finite(&simulation.frame().unwrap()), "{model}, {field}"),
-                Err(error) => panic!("{model}, {field}: {error}"),
+                Ok(()) => assert!(is_finite(&simulation.frame().unwrap()), "{model:?}, {:?}", scene.forces),
+                Err(error) => panic!("{model:?}, {:?}: {error}", scene.forces),
             }
         }
     }
-    let mut simulation = simulation(&[]);
+    let mut simulation = simulation(&scene(Model::TwoWay, 3.0));
     let harsh = all(&simulation, DVec3::new(0.0, 1e6, 0.0), DVec3::ZERO);
     simulation.set_force(&harsh).unwrap();
     simulation.step(12).unwrap();

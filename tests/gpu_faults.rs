@@ -5,22 +5,13 @@
 mod support;
 
 use windswept::{Error, Gpu, GpuError, Simulation, gpu::wgpu};
-use windswept_scene::{Groom, InitialState, Scene};
-
-const SCENE: &str = "
-time = { step = 1e-3, duration = 1.0 }
-[air]
-box = { min = [0, 0, 0], max = [0.12, 0.06, 0.06] }
-wind = [2, 0, 0]
-[[hair]]
-strands = 3
-points = 6
-length = 0.03
-roots = { center = [0.05, 0.01, 0.03], radius = 0.01, direction = [0, 1, 0], normal = [0, 1, 0] }
-";
+use windswept_scene::{Air, Body, FluidSolver, Groom, Hair, InitialState, Model, Roots, Scene, Time, Turbulence};
 
 fn scene() -> Scene {
-    Scene::parse(SCENE).unwrap()
+    let mut scene = Scene::new(Time::new(1e-3, 1.0));
+    scene.hair = vec![Hair::drawn(3, 6, 0.03, Roots::disc([0.05, 0.01, 0.03], 0.01).toward([0.0, 1.0, 0.0]))];
+    scene.air = Some(Air::filling([0.12, 0.06, 0.06]).wind([2.0, 0.0, 0.0]));
+    scene
 }
 
 /// A device with these limits, and the engine's result for it.
@@ -151,28 +142,26 @@ fn small_bindings_are_named() {
 fn what_cannot_fit_is_refused_before_it_is_made() {
     let limits = wgpu::Limits { max_storage_buffer_binding_size: 16 << 10, ..wgpu::Limits::default() };
     let gpu = with_limits(limits).1.unwrap();
-    let scene = |more: &[&str]| {
-        let sets: Vec<String> = more.iter().map(|set| (*set).to_owned()).collect();
-        Scene::parse_with("quick", include_str!("../examples/scenes/quick.toml"), &sets).unwrap()
-    };
-    let (no_air, no_bands) = ("interaction.model=drag", "turbulence={bands=[]}");
+    let quick = Scene::parse(include_str!("../examples/scenes/quick.toml")).unwrap();
+    let (mut no_air, no_bands) = (quick.clone(), Scene { turbulence: Turbulence::default(), ..quick });
+    no_air.interaction.model = Some(Model::Drag);
+    let mut pbf = no_bands.clone();
+    pbf.fluid.solver = Some(FluidSolver::Pbf);
     // All strands would be rooted deep inside a body.
-    let body = "body=[{name='a', center=[0.056, 0.065, 0.035], radius=0.05}]";
-    for (sets, deep) in [(&[no_air][..], Some(body)), (&[no_bands, "fluid.solver=pbf"], None), (&[no_bands], None)] {
+    let deep = Scene { bodies: vec![Body::sphere([0.056, 0.065, 0.035], 0.05)], ..no_air.clone() };
+    for (whole, unmade) in [(&no_air, Some(deep)), (&pbf, None), (&no_bands, None)] {
         let said = |scene: &Scene| Simulation::new(&gpu, scene).err().unwrap().to_string();
-        let whole = scene(sets);
-        let made = InitialState::new(&whole).unwrap();
-        let of_state = Simulation::with_state(&gpu, &whole, made).err().unwrap().to_string();
-        assert_eq!(said(&whole), of_state);
-        if let Some(body) = deep {
-            let unmade = scene(&[sets, &[body]].concat());
+        let made = InitialState::new(whole).unwrap();
+        let of_state = Simulation::with_state(&gpu, whole, made).err().unwrap().to_string();
+        assert_eq!(said(whole), of_state);
+        if let Some(unmade) = unmade {
             assert!(InitialState::new(&unmade).unwrap_err().to_string().contains("is rooted"));
             assert_eq!(said(&unmade), of_state);
         }
     }
     // Strands that are twice in one place cannot be made.
     let groom = Groom::new(vec![[0.0; 3]; 2000], (0..=200).map(|s| 10 * s).collect());
-    let error = Simulation::with_groom(&gpu, &scene(&[no_air]), &groom).err().unwrap();
+    let error = Simulation::with_groom(&gpu, &no_air, &groom).err().unwrap();
     assert!(matches!(error, Error::Gpu(GpuError::TooLarge { limit: 16_384, .. })), "{error}");
 }
 

@@ -9,7 +9,7 @@ use windswept::{
     Simulation,
     internals::{Engine, Plan, Recorder, Setup, step},
 };
-use windswept_scene::{Scene, Strands};
+use windswept_scene::{Air, Fibre, Hair, Model, Roots, Scene, Strands, Time};
 
 /// The density correction moves pairs by equal and opposite m dx: hair and air of different masses, no clamped root.
 #[test]
@@ -46,13 +46,13 @@ fn density_correction_keeps_momentum() {
 /// run ended after seven steps.
 #[test]
 fn fine_strands_in_one_fluid_with_air_do_not_stir_it() {
-    let scene = Scene::parse(
-        "time = { step = 1.38e-3, duration = 1 }\ninteraction = { model = \"particles\" }\n\
-         [hair]\nstrands = 40\npoints = 121\nlength = 0.06\nfibres_per_strand = 4\n\
-         roots = { center = [0.04, 0.065, 0.02], radius = 0.015 }\n\
-         [air]\nbox = { min = [0, 0, 0], max = [0.08, 0.07, 0.04] }\nwind = [0, 0, 0]\n",
-    );
-    let mut simulation = Simulation::new(&support::gpu(), &scene.unwrap()).unwrap();
+    let fibre = Fibre { fibres_per_strand: 4.0, ..Fibre::default() };
+    let hair = Hair::drawn(40, 121, 0.06, Roots::disc([0.04, 0.065, 0.02], 0.015));
+    let mut scene = Scene::new(Time::new(1.38e-3, 1.0));
+    scene.interaction.model = Some(Model::Particles);
+    scene.hair = vec![Hair { fibre, ..hair }];
+    scene.air = Some(Air::filling([0.08, 0.07, 0.04]).wind([0.0; 3]));
+    let mut simulation = Simulation::new(&support::gpu(), &scene).unwrap();
     simulation.step(20).unwrap();
     let frame = simulation.frame().unwrap();
     let speeds = frame.air.velocities.iter().chain(&frame.hair.velocities);

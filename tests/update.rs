@@ -15,17 +15,8 @@ fn scene() -> Scene {
     scene.bodies = vec![Body::sphere([0.07, 0.01, 0.025], 0.008).named("ball")];
     scene.air = Some(Air { ramp: 0.0, ..Air::filling([0.1, 0.05, 0.05]).wind([2.0, 0.0, 0.0]) });
     scene.turbulence = Turbulence { intensity: Some(0.5), ..Turbulence::scale(0.008) };
-    scene.forces = vec![Force {
-        name: "jet".to_owned(),
-        field: ForceField::Jet,
-        origin: [0.0, 0.02, 0.025],
-        axis: Some([1.0, 0.0, 0.0]),
-        reach: 0.08,
-        radius: Some(0.02),
-        uptake: None,
-        strength: Some(1.0),
-        keyframes: Vec::new(),
-    }];
+    let jet = Force::jet([0.0, 0.02, 0.025], [1.0, 0.0, 0.0], 0.08, 1.0);
+    scene.forces = vec![Force { name: "jet".to_owned(), radius: Some(0.02), ..jet }];
     scene
 }
 

@@ -10,7 +10,7 @@ use windswept_reference::{
     State as Reference, commit, contact, forcing, rods,
     step::{Scratch, unobserved},
 };
-use windswept_scene::{Body, InitialState, Keyframe, Motion, Scene, Shape};
+use windswept_scene::{Body, InitialState, Keyframe, Motion, Rods, Scene, Shape};
 use windswept_shaders::{
     self as shaders,
     common::{
@@ -23,7 +23,7 @@ use windswept_shaders::{
 
 use crate::{
     fixture::{Fixture, quaternion, relative, xyz},
-    hair::{any, motion, scene_with, set_roots},
+    hair::{any, awake, euler, motion, newton, scene_with, set_roots},
     steps::{BODIES, Fault, THIN_BODY, WALLS},
     support::{self, Layout},
     walk::{Both, LENGTH, Row, SPEED, apart, differing, largest},
@@ -331,14 +331,14 @@ fn among_strands(speed: f64) -> Vec<Body> {
 #[test]
 fn rods_among_bodies_are_those_of_the_reference() {
     for n in [1, 65, 700] {
-        for (keys, speed, meshes) in [
-            ("sleep = false", 0.0, false),
-            ("sleep = false", 1.0, false),
-            ("sleep = false", 10.0, false),
-            ("sleep = false, integrator = \"euler\"", 1.0, true),
-            ("sleep = false, newton = 1", 1.0, true),
+        for (solved, speed, meshes) in [
+            (awake(), 0.0, false),
+            (awake(), 1.0, false),
+            (awake(), 10.0, false),
+            (Rods { sleep: false, ..euler() }, 1.0, true),
+            (Rods { sleep: false, ..newton(1) }, 1.0, true),
         ] {
-            let mut scene = scene_with(n, keys, [2, 11, 40, 7]);
+            let mut scene = scene_with(n, &solved, [2, 11, 40, 7]);
             // Before bodies come: no scene has roots deep in them.
             let mut initial = InitialState::new(&scene).unwrap();
             scene.bodies = among_strands(speed);
@@ -361,7 +361,7 @@ fn rods_among_bodies_are_those_of_the_reference() {
                 rods::run(&mut s, &mut w, p, &mut unobserved);
                 let within = |apart: &[f64; 4]| apart.iter().zip(AMONG_BODIES).all(|(off, bound)| *off < bound);
                 let (near, astray): (Vec<_>, Vec<_>) = strands_apart(&fixture, &s, &w).into_iter().partition(within);
-                assert!(30 * astray.len() <= n, "{n}, {keys}, {speed} m/s, step {number}: {astray:?}");
+                assert!(30 * astray.len() <= n, "{n}, {solved:?}, {speed} m/s, step {number}: {astray:?}");
                 gone += astray.len();
                 worst = near.iter().fold(worst, |worst, off| [0, 1, 2, 3].map(|k| worst[k].max(off[k])));
                 let count = |of: fn(&contact::Contact) -> bool| all(&w).iter().filter(|contact| of(contact)).count();
@@ -372,7 +372,7 @@ fn rods_among_bodies_are_those_of_the_reference() {
                 commit::run(&mut s, &mut w, p).unwrap();
             }
             let counted = fixture.engine.status().unwrap().counted[UNSOLVED_STEP as usize] as usize;
-            println!("{n} strands, {keys}, {speed} m/s, meshes {meshes}: {}, {gone} astray", told(worst));
+            println!("{n} strands, {solved:?}, {speed} m/s, meshes {meshes}: {}, {gone} astray", told(worst));
             println!("  at most {touching:?} contacts touch, slide, and of segments; {counted} steps unsolved");
             assert!(counted.abs_diff(s.unsolved_steps) <= gone, "{counted} instead of {} unsolved", s.unsolved_steps);
             let [touch, slide, of_segments] = touching;

@@ -8,7 +8,7 @@ use windswept_reference::{
     State as Reference, forcing, rods,
     step::{Scratch, unobserved},
 };
-use windswept_scene::{Force, ForceField, Gust, Inflow, InitialState, Keyframe, Motion, Scene, Strength};
+use windswept_scene::{Force, Gust, Inflow, InitialState, Keyframe, Motion, Rods, Scene, Strength};
 use windswept_shaders::{
     self as shaders,
     common::{
@@ -124,9 +124,9 @@ pub fn drives_apart(fixture: &Fixture, w: &Scratch) -> (f64, f64, usize) {
 #[test]
 fn roots_are_those_of_the_reference() {
     for n in support::SIZES {
-        for (keys, substeps, steps) in [("", 1, 0), ("sleep = false", 1, 7), ("", 3, 0), ("", 3, 1), ("", 3, 3_000_002)]
+        for (sleep, substeps, steps) in [(true, 1, 0), (false, 1, 7), (true, 3, 0), (true, 3, 1), (true, 3, 3_000_002)]
         {
-            let (mut scene, mut initial) = strands(n, keys);
+            let (mut scene, mut initial) = strands(n, &Rods { sleep, ..Rods::default() });
             ends(&mut initial.hair, true);
             scene.time.substeps = substeps;
             let fixture = Fixture::new(&scene, &initial);
@@ -149,10 +149,12 @@ fn roots_are_those_of_the_reference() {
             let (moves, frames, states) = drives_apart(&fixture, &w);
             let count = |state| w.motions.iter().filter(|motion| motion.state == state).count();
             let counts = [rods::State::Free, rods::State::Sleeping, rods::State::Teleported].map(count);
-            println!("{n} strands, {keys:?}, substep {steps} of {substeps}: {moves:.1e} m, {frames:.1e}, {counts:?}");
-            assert_eq!(states, 0, "{n}, {keys}: strands go another way");
+            println!(
+                "{n} strands, sleep {sleep}, substep {steps} of {substeps}: {moves:.1e} m, {frames:.1e}, {counts:?}"
+            );
+            assert_eq!(states, 0, "{n}, {sleep}: strands go another way");
             // Measured 3.6e-8 m and 4.7e-7; margin 4.
-            assert!(moves < 1.5e-7 && frames < 2e-6, "{n}, {keys}: {moves} m, {frames}");
+            assert!(moves < 1.5e-7 && frames < 2e-6, "{n}, {sleep}: {moves} m, {frames}");
             assert!(n < 63 || counts.iter().filter(|count| **count > 0).count() == 2 + usize::from(p.sleep));
         }
     }
@@ -164,7 +166,7 @@ fn roots_are_those_of_the_reference() {
 #[test]
 fn reset_is_that_of_the_reference() {
     for n in support::SIZES {
-        let (scene, mut initial) = strands(n, "");
+        let (scene, mut initial) = strands(n, &Rods::default());
         ends(&mut initial.hair, true);
         motion(&mut initial.hair, 0.5, 20.0, 5);
         let fixture = Fixture::new(&scene, &initial);
@@ -238,7 +240,7 @@ fn reset_is_that_of_the_reference() {
 #[test]
 fn roots_by_keyframes_are_those_of_the_reference() {
     for n in support::SIZES {
-        let mut scene = scene_of(n, "");
+        let mut scene = scene_of(n, &Rods::default());
         for (group, hair) in scene.hair.iter_mut().enumerate() {
             let start = [0.0, 0.004, 1.0, 3_600.0][group];
             let keyframe = |time, translation, rotation| Keyframe { time, translation, rotation };
@@ -362,27 +364,19 @@ fn fringe_is_that_of_the_reference() {
 
 /// A force field of each shape: they overlap in a box of 40 mm or more, and one of them is by keyframes.
 pub fn fields() -> Vec<Force> {
-    let force = |field: ForceField, axis, origin: [f64; 3], reach: f64, strength| Force {
-        name: field.word().to_owned(),
-        field,
-        origin,
-        axis,
-        reach,
-        radius: Some(0.4 * reach),
-        uptake: Some(0.01),
-        strength,
-        keyframes: Vec::new(),
-    };
-    let tilted = Some(DVec3::new(2.0, 1.0, -2.0).normalize().to_array());
-    let key = |time, strength| Strength { time, strength };
-    vec![
-        Force {
-            keyframes: vec![key(0.001, 1.0), key(0.012, -4.0), key(0.1, 2.0)],
-            ..force(ForceField::Jet, tilted, [0.005, 0.01, 0.03], 0.04, None)
-        },
-        force(ForceField::Vortex, tilted, [0.02; 3], 0.05, Some(-3.0)),
-        force(ForceField::Point, None, [0.03, 0.01, 0.02], 0.03, Some(2.0)),
-    ]
+    let tilted = DVec3::new(2.0, 1.0, -2.0).normalize().to_array();
+    let mut forces = vec![
+        Force::jet([0.005, 0.01, 0.03], tilted, 0.04, 0.0),
+        Force::vortex([0.02; 3], tilted, 0.05, -3.0),
+        Force::point([0.03, 0.01, 0.02], 0.03, 2.0),
+    ];
+    for force in &mut forces {
+        force.name = force.field.word().to_owned();
+        (force.radius, force.uptake) = (Some(0.4 * force.reach), Some(0.01));
+    }
+    let keyframes = [(0.001, 1.0), (0.012, -4.0), (0.1, 2.0)].map(|(time, strength)| Strength { time, strength });
+    (forces[0].strength, forces[0].keyframes) = (None, keyframes.into());
+    forces
 }
 
 /// Velocity that force fields and an acceleration that was set add to air, at any step of a run.

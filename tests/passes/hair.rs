@@ -4,45 +4,57 @@ use glam::{DQuat, DVec3, Quat, Vec3};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept_reference::State as Reference;
-use windswept_scene::{End, Ends, InitialState, Model, Scene, Strands};
+use windswept_scene::{End, Ends, Fibre, Hair, InitialState, Integrator, Rods, Roots, Scene, Solver, Strands};
 use windswept_shaders::common::rod::Root;
 
-use crate::fixture::Fixture;
+use crate::{fixture::Fixture, support::alone};
 
 /// Scene of `n` strands alone, of 2 to 40 points, some curled, in random places; of 2 points where they are many.
-pub fn scene_of(n: usize, keys: &str) -> Scene {
-    scene_with(n, keys, if n > 1000 { [2; 4] } else { [2, 11, 40, 7] })
+pub fn scene_of(n: usize, solved: &Rods) -> Scene {
+    scene_with(n, solved, if n > 1000 { [2; 4] } else { [2, 11, 40, 7] })
 }
 
 /// Scene of `n` strands alone, of so many points in four groups; those of the second curled if they have more than 2.
-pub fn scene_with(n: usize, keys: &str, points: [usize; 4]) -> Scene {
-    let mut text = format!(
-        "interaction = {{ model = \"none\" }}\nrods = {{ iterations = 10, damping = 2.0, {keys} }}\n\
-         [time]\nstep = 1.38e-3\nduration = 1.0\n"
-    );
-    for (group, points) in points.into_iter().enumerate() {
-        let shape = match group {
-            1 if points > 2 => "curl = { radius = 0.003, pitch = 0.02 }",
-            3 if points > 2 => "taper = 0.5",
-            _ => "",
-        };
-        let share = (n + 3 - group) / 4;
-        if share > 0 {
-            text += &format!(
-                "[[hair]]\nname = \"g{group}\"\nstrands = {share}\npoints = {points}\nlength = 0.1\n{shape}\nroots = {{ center = [0.0, 0.1, {group}.0], radius = 0.05, direction = [1.0, 0.3, 0.2] }}\n"
-            );
+pub fn scene_with(n: usize, solved: &Rods, points: [u32; 4]) -> Scene {
+    let group = |(group, points): (usize, u32)| {
+        let roots = Roots::disc([0.0, 0.1, group as f64], 0.05).toward([1.0, 0.3, 0.2]);
+        let hair = Hair::drawn(((n + 3 - group) / 4) as u32, points, 0.1, roots).named(format!("g{group}"));
+        match group {
+            1 if points > 2 => hair.curled(0.003, 0.02),
+            3 if points > 2 => Hair { fibre: Fibre { taper: 0.5, ..Fibre::default() }, ..hair },
+            _ => hair,
         }
-    }
-    let mut scene = Scene::parse(&text).unwrap();
-    scene.interaction.model = Some(Model::None);
-    scene
+    };
+    // There may be fewer strands than groups.
+    let groups: Vec<Hair> = points.into_iter().enumerate().take(n).map(group).collect();
+    Scene { rods: Rods { damping: 2.0, ..solved.clone() }, ..alone(1.38e-3, groups) }
 }
 
 /// Scene of [`scene_of`], and the state that it starts from.
-pub fn strands(n: usize, keys: &str) -> (Scene, InitialState) {
-    let scene = scene_of(n, keys);
+pub fn strands(n: usize, solved: &Rods) -> (Scene, InitialState) {
+    let scene = scene_of(n, solved);
     let initial = InitialState::new(&scene).unwrap();
     (scene, initial)
+}
+
+/// Rods that never sleep.
+pub fn awake() -> Rods {
+    Rods { sleep: false, ..Rods::default() }
+}
+
+/// Rods of at most so many Newton steps.
+pub fn newton(newton: u32) -> Rods {
+    Rods { newton, ..Rods::default() }
+}
+
+/// Rods by implicit Euler.
+pub fn euler() -> Rods {
+    Rods { integrator: Some(Integrator::Euler), ..Rods::default() }
+}
+
+/// Rods by Gauss-Seidel.
+pub fn gauss_seidel() -> Rods {
+    Rods { solver: Some(Solver::GaussSeidel), ..Rods::default() }
 }
 
 /// Gives strands every kind of end: clamped, pinned and free roots, and tips, in turn.

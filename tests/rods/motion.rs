@@ -7,10 +7,10 @@ use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept::{HairFrame, Simulation};
 use windswept_reference::tables;
-use windswept_scene::{End, Groom, Hair, Keyframe, Roots, Scene};
+use windswept_scene::{End, Groom, Hair, HairSource, Keyframe, Model, Rods, Roots, Scene, Turbulence};
 use windswept_validate::internals::{LENGTH, LINE_DENSITY, Rod, mode, tips};
 
-use crate::{build, support};
+use crate::{awake, build, damped, support};
 
 /// A clamped beam without weight and damping swings at its first frequency and keeps its energy: EI of γ = 10, tip 0.02
 /// L.
@@ -44,7 +44,7 @@ fn a_beam_keeps_time_and_energy() {
 /// Clamped beams without weight and damping, of one γ, that begin to swing in their first mode, the tip by `amplitude`
 /// \[L\]; and the frequency of that \[Hz\].
 fn swinging(rods: &[Rod], step: f64, amplitude: f64) -> (Simulation, f64) {
-    let (mut scene, mut initial) = build(rods, step, "sleep = false");
+    let (mut scene, mut initial) = build(rods, step, awake(0.0));
     scene.gravity = [0.0; 3];
     let beta = tables::BEAM_MODES[0];
     let frequency = beta * beta / (TAU * LENGTH * LENGTH) * (rods[0].bend() / LINE_DENSITY).sqrt();
@@ -119,7 +119,7 @@ fn shaken_and_spun_strands_stay_as_long_as_they_are() {
         let shake = |t: f64| (DVec3::Y * 0.05 * (TAU * 20.0 * t).sin(), DQuat::IDENTITY);
         let spin = |t: f64| (DVec3::ZERO, DQuat::from_rotation_y(100.0 * t));
         for (name, drive) in [("shaken", &shake as &dyn Fn(f64) -> (DVec3, DQuat)), ("spun", &spin)] {
-            let (scene, initial) = build(&rods, step, "");
+            let (scene, initial) = build(&rods, step, Rods::default());
             let mut simulation = Simulation::with_state(&support::gpu(), &scene, initial).unwrap();
             let far = reach(&mut simulation, (0.5 / step) as usize, drive);
             let report = simulation.report().unwrap();
@@ -137,7 +137,7 @@ fn shaken_and_spun_strands_stay_as_long_as_they_are() {
 /// A root that jumps farther than its strand is long takes the strand along in its shape, at rest.
 #[test]
 fn a_teleported_strand_keeps_its_shape() {
-    let (scene, initial) = build(&[Rod::level(10.0, 34), Rod::level(100.0, 16)], 1.38e-3, "damping = 8.0");
+    let (scene, initial) = build(&[Rod::level(10.0, 34), Rod::level(100.0, 16)], 1.38e-3, damped(8.0));
     let start = initial.hair.clone();
     let mut simulation = Simulation::with_state(&support::gpu(), &scene, initial).unwrap();
     simulation.step(100).unwrap();
@@ -268,7 +268,7 @@ fn stretches(hair: &HairFrame) -> impl Iterator<Item = f64> {
 /// held.
 #[test]
 fn a_yanked_strand_recovers() {
-    let (scene, initial) = build(&[Rod::level(100.0, 34)], 16.6e-3, "damping = 8.0");
+    let (scene, initial) = build(&[Rod::level(100.0, 34)], 16.6e-3, damped(8.0));
     let root = initial.hair.positions[0];
     let mut simulation = Simulation::with_state(&support::gpu(), &scene, initial).unwrap();
     let (mut steps, mut worst) = (0, f64::NAN);
@@ -302,7 +302,7 @@ fn violent_starts_recover() {
     let mut any = || 2.0 * DVec3::from_array(rng.random()) - 1.0;
     let mut failed = false;
     for (name, reference) in [("coincident", 3), ("random", 9), ("zigzag", 9), ("fast", 474)] {
-        let (scene, mut initial) = build(&[rod; STRANDS], 1.38e-3, "damping = 8.0");
+        let (scene, mut initial) = build(&[rod; STRANDS], 1.38e-3, damped(8.0));
         let hair = &mut initial.hair;
         for s in 0..STRANDS {
             let (points, root) = (hair.points(s), hair.positions[hair.points(s).start]);
@@ -351,9 +351,8 @@ fn violent_starts_recover() {
 /// paper's.
 #[test]
 fn hair_in_turbulent_air_does_not_stretch() {
-    let text = include_str!("../../examples/scenes/small/fig2b.toml");
-    let sets = ["time.step=16.6e-3", "rods.newton=2"].map(str::to_owned);
-    let scene = Scene::parse_with("fig2b.toml", text, &sets).unwrap();
+    let mut scene = Scene::parse(include_str!("../../examples/scenes/small/fig2b.toml")).unwrap();
+    (scene.time.step, scene.rods.newton) = (16.6e-3, 2);
     let mut simulation = Simulation::new(&support::gpu(), &scene).unwrap();
     simulation.step(12).unwrap();
     let report = simulation.report().unwrap();
@@ -366,12 +365,15 @@ fn hair_in_turbulent_air_does_not_stretch() {
 /// and by less than 1 % at twelve times that step.
 #[test]
 fn hair_in_wind_does_not_stretch() {
-    let text = include_str!("../../examples/scenes/fig2b.toml");
-    for (step, bound) in [("1.38e-3", 1e-4), ("16.6e-3", 1e-2)] {
-        let sets = ["interaction.model=drag", "hair.strands=40", "rods.newton=2", "turbulence={bands=[]}"];
-        let mut sets: Vec<String> = sets.map(str::to_owned).to_vec();
-        sets.push(format!("time.step={step}"));
-        let scene = Scene::parse_with("fig2b.toml", text, &sets).unwrap();
+    let mut scene = Scene::parse(include_str!("../../examples/scenes/fig2b.toml")).unwrap();
+    scene.interaction.model = Some(Model::Drag);
+    scene.turbulence = Turbulence::default();
+    scene.rods.newton = 2;
+    if let HairSource::Drawn(drawn) = &mut scene.hair[0].source {
+        drawn.strands = 40;
+    }
+    for (step, bound) in [(1.38e-3, 1e-4), (16.6e-3, 1e-2)] {
+        scene.time.step = step;
         let mut simulation = Simulation::new(&support::gpu(), &scene).unwrap();
         simulation.step((1.0 / scene.time.step) as u64).unwrap();
         let report = simulation.report().unwrap();

@@ -3,10 +3,10 @@
 use glam::{DQuat, DVec3};
 use windswept::Simulation;
 use windswept_reference::tables;
-use windswept_scene::{End, Ends, Hair, Roots};
+use windswept_scene::{End, Ends, Hair, Integrator, Rods, Roots, Solver};
 use windswept_validate::internals::{GRAVITY, LENGTH, LINE_DENSITY, Rod, STRETCH, tips};
 
-use crate::{build, elastica, rest, support};
+use crate::{awake, build, damped, elastica, rest, support};
 
 /// Strands of 34 segments come to rest on the elastica for every γ, at any long step; `windswept validate rods-static`
 /// has the paper's step.
@@ -74,7 +74,7 @@ fn stiffness_does_not_depend_on_the_number_of_points() {
 fn rest_does_not_depend_on_newton_steps_or_substeps() {
     let (rods, step) = ([Rod::level(10.0, 34), Rod::level(100.0, 34)], 8.3e-3);
     let at_rest = |newton: u32, substeps: u32| {
-        let (mut scene, initial) = build(&rods, step, &format!("damping = 8.0, newton = {newton}"));
+        let (mut scene, initial) = build(&rods, step, Rods { newton, ..damped(8.0) });
         scene.time.substeps = substeps;
         let mut simulation = Simulation::with_state(&support::gpu(), &scene, initial).unwrap();
         simulation.step((4.0 / step) as u64).unwrap();
@@ -122,8 +122,9 @@ fn gauss_seidel_hangs_strands_like_elastica_and_helix() {
     let cases: Vec<_> = level.chain(curled.map(|row| ("helix", row.tip, Rod::helix(&row, 34)))).collect();
     let rods: Vec<Rod> = cases.iter().map(|(_, _, rod)| *rod).collect();
     let step = 0.35e-3;
-    let keys = "solver = \"gauss-seidel\", integrator = \"euler\", iterations = 500, damping = 12.0, sleep = false";
-    let (scene, initial) = build(&rods, step, keys);
+    let (solver, integrator) = (Some(Solver::GaussSeidel), Some(Integrator::Euler));
+    let solved = Rods { solver, integrator, iterations: 500, ..awake(12.0) };
+    let (scene, initial) = build(&rods, step, solved);
     let mut simulation = Simulation::with_state(&support::gpu(), &scene, initial).unwrap();
     simulation.step((1.5 / step) as u64).unwrap();
     for ((name, exact, rod), tip) in cases.iter().zip(tips(&simulation.frame().unwrap().hair)) {
@@ -150,7 +151,7 @@ fn strands_do_not_stretch() {
 #[test]
 fn a_turned_tip_twists_its_strand() {
     let (segments, twist) = (20, 1.0);
-    let (mut scene, mut initial) = build(&[Rod::level(10.0, segments)], 1.38e-3, "damping = 60.0");
+    let (mut scene, mut initial) = build(&[Rod::level(10.0, segments)], 1.38e-3, damped(60.0));
     scene.gravity = [0.0; 3];
     let hair = &mut initial.hair;
     let root_frame = hair.root_frame[0];

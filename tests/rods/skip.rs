@@ -5,7 +5,7 @@ use windswept::{HairFrame, Simulation};
 use windswept_scene::{Air, Hair, Model, Rods, Roots, Scene, Time};
 use windswept_validate::internals::{LENGTH, Rod, tips};
 
-use crate::{build, rest, support};
+use crate::{awake, build, rest, support};
 
 /// Strands in still air that come to rest, and then something is done to them, step by step.
 struct Disturbed {
@@ -149,7 +149,7 @@ fn sleep_does_not_move_what_rests() {
     for step in [1.38e-3, 8.3e-3] {
         let (sleeping, report) = rest(&rods, step, 4.0);
         assert!(report.strand_steps.unwrap()["sleeping_steps"] > 0);
-        let (scene, initial) = build(&rods, step, "damping = 8.0, sleep = false");
+        let (scene, initial) = build(&rods, step, awake(8.0));
         let mut simulation = Simulation::with_state(&support::gpu(), &scene, initial).unwrap();
         simulation.step((4.0 / step) as u64).unwrap();
         let awake = tips(&simulation.frame().unwrap().hair);
@@ -249,7 +249,7 @@ fn assert_falls_are_whole(substeps: &[u32]) {
     let rods = [Rod::level(10.0, 34), Rod::level(100.0, 34)];
     for &substeps in substeps {
         let end = |sleep: bool| {
-            let (mut scene, initial) = build(&rods, 1.38e-3, &format!("sleep = {sleep}"));
+            let (mut scene, initial) = build(&rods, 1.38e-3, Rods { sleep, ..Rods::default() });
             scene.time.substeps = substeps;
             let mut simulation = Simulation::with_state(&support::gpu(), &scene, initial).unwrap();
             simulation.step(72).unwrap();

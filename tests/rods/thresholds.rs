@@ -7,7 +7,7 @@ use windswept::Simulation;
 use windswept_scene::{End, Ends};
 use windswept_validate::internals::{LENGTH, Rod, vectors};
 
-use crate::{build, support};
+use crate::{awake, build, support};
 
 /// A strand upright from its clamp.
 const UP: [DVec3; 3] = [DVec3::X, DVec3::NEG_Z, DVec3::Y];
@@ -36,7 +36,7 @@ fn grows(simulation: &mut Simulation, steps: u64, measure: impl Fn(&[DVec3]) -> 
 /// An upright strand buckles under its weight at γ = 7.837 (64 segments).
 #[test]
 fn an_upright_strand_buckles_where_it_should() {
-    let (scene, mut initial) = build(&rods([7.837 * 0.98, 7.837 * 1.02], 64, UP), 4e-3, "damping = 4.0, sleep = false");
+    let (scene, mut initial) = build(&rods([7.837 * 0.98, 7.837 * 1.02], 64, UP), 4e-3, awake(4.0));
     // A nudge of the first mode's kind.
     for (k, v) in initial.hair.velocities.iter_mut().enumerate() {
         v.x = 2e-4 * ((k % 65) as f64 / 64.0).powi(2);
@@ -53,8 +53,7 @@ fn an_upright_strand_buckles_where_it_should() {
 #[test]
 fn a_curved_strand_leaves_its_plane_where_it_should() {
     let segments = 100;
-    let (scene, mut initial) =
-        build(&rods([0.93 * 105.71, 1.02 * 105.71], segments, DOWN), 4e-3, "damping = 8.0, sleep = false");
+    let (scene, mut initial) = build(&rods([0.93 * 105.71, 1.02 * 105.71], segments, DOWN), 4e-3, awake(8.0));
     let turn = 8.0 / segments as f64;
     for (k, rest) in initial.hair.rest_rotation.iter_mut().enumerate() {
         *rest = DQuat::from_rotation_y(if k % segments == 0 { 0.5 * turn } else { turn });
@@ -77,7 +76,7 @@ fn a_twisted_ring_leaves_its_plane_where_it_should() {
     let segments = 64;
     let ring = |twist: f64| {
         let rod = Rod::level(10.0, segments);
-        let (mut scene, mut initial) = build(&[rod], 4e-3, "damping = 4.0, sleep = false");
+        let (mut scene, mut initial) = build(&[rod], 4e-3, awake(4.0));
         scene.gravity = [0.0; 3];
         let hair = &mut initial.hair;
         let (l, turn) = (LENGTH / segments as f64, TAU / segments as f64);

@@ -5,30 +5,22 @@ use windswept::{
     RunError, Simulation,
     gpu::wgpu::{CommandEncoderDescriptor, DeviceDescriptor},
 };
-use windswept_scene::{Model, Scene};
+use windswept_scene::{Air, Fibre, Hair, Model, Roots, Scene, Time};
 use windswept_shaders::common::rod::INVALID;
 
 use crate::{brush, support, windy, with_model};
 
 /// Some strands in a brook of air. The hair is made by the engine, so that the recovery passes are left out until a
 /// test writes into it.
-const BROOK: &str = "
-title = \"brook\"
-time = { step = 1.38e-3, duration = 0.1, substeps = 1 }
-[hair]
-strands = 12
-points = 6
-length = 0.03
-fibres_per_strand = 100.0
-roots = { shape = \"disc\", center = [0.01, 0.02, 0.02], radius = 0.004, direction = [1.0, 0.0, 0.0] }
-[air]
-box = { min = [0.0, 0.0, 0.0], max = [0.06, 0.04, 0.04] }
-rest_density = 1.29
-particle_mass = 1.46e-7
-kernel_radius = 9.3e-3
-wind = [2.0, 0.0, 0.0]
-fringe = 0.01
-";
+fn brook(model: Model) -> Scene {
+    let fibre = Fibre { fibres_per_strand: 100.0, ..Fibre::default() };
+    let hair = Hair::drawn(12, 6, 0.03, Roots::disc([0.01, 0.02, 0.02], 0.004).toward([1.0, 0.0, 0.0]));
+    let mut scene = Scene::new(Time::new(1.38e-3, 0.1));
+    scene.interaction.model = Some(model);
+    scene.hair = vec![Hair { fibre, ..hair }];
+    scene.air = Some(Air { fringe: Some(0.01), ..Air::filling([0.06, 0.04, 0.04]).wind([2.0, 0.0, 0.0]) });
+    scene
+}
 
 /// Strand that a test writes into, and which of its points.
 const VICTIM: usize = 7;
@@ -297,8 +289,7 @@ fn what_a_caller_gives_is_looked_at() {
 
     let (device, gpu) = support::callers_device(&DeviceDescriptor::default());
     let gpu = gpu.unwrap();
-    let scene = Scene::parse_with("brook", BROOK, &["interaction.model=drag".to_owned()]).unwrap();
-    let mut simulation = Simulation::new(&gpu, &scene).unwrap();
+    let mut simulation = Simulation::new(&gpu, &brook(Model::Drag)).unwrap();
     let mut places = simulation.initial().hair.positions.clone();
     places[place(&simulation)].y += 100.0;
     simulation.set_hair(Some(&places), None, None).unwrap();
@@ -316,8 +307,7 @@ fn what_a_caller_gives_is_looked_at() {
 
 /// The brook, with each model whose hair meets the air.
 fn brooks() -> impl Iterator<Item = Scene> {
-    let models = ["two-way", "particles", "drag"].into_iter();
-    models.map(|model| Scene::parse_with("brook", BROOK, &[format!("interaction.model={model}")]).unwrap())
+    [Model::TwoWay, Model::Particles, Model::Drag].into_iter().map(brook)
 }
 
 /// The hair point that a test writes into.

@@ -1,5 +1,5 @@
 //! Code that the tests share: the software adapter, scenes made in code, particles in awkward numbers.
-#![allow(dead_code, unreachable_pub, clippy::unwrap_used, missing_docs)]
+#![allow(dead_code, unused_imports, unreachable_pub, clippy::unwrap_used, missing_docs)]
 
 pub mod fault;
 
@@ -11,7 +11,7 @@ use rand_pcg::Pcg64;
 use windswept::{AdapterChoice, Gpu, GpuError, gpu::wgpu};
 use windswept_scene::*;
 use windswept_validate::internals::Cloud;
-pub use windswept_validate::internals::{MASS, RADIUS, VOLUME};
+pub use windswept_validate::internals::{MASS, RADIUS, VOLUME, alone, in_wind};
 
 /// A device on the adapter that every test runs on: the one that WGPU_ADAPTER_NAME names, else a software one. A test
 /// fails where there is no such adapter.
@@ -78,22 +78,6 @@ pub fn scene() -> Scene {
     scene.turbulence.filter = Some(Filter::Direct(DirectFilter::default()));
     let (solver, integrator) = (Some(Solver::GaussSeidel), Some(Integrator::Euler));
     scene.rods = Rods { solver, integrator, sleep: false, ..Rods::default() };
-    scene
-}
-
-/// Scene of hair alone, in steps of `step` \[s\].
-pub fn alone(step: f64, hair: impl Into<Vec<Hair>>) -> Scene {
-    let mut scene = Scene::new(Time::new(step, 10.0));
-    scene.interaction.model = Some(Model::None);
-    scene.hair = hair.into();
-    scene
-}
-
-/// Scene of hair that the mean wind drags, in steps of `step` \[s\].
-pub fn in_wind(step: f64, air: Air, hair: impl Into<Vec<Hair>>) -> Scene {
-    let mut scene = alone(step, hair);
-    scene.interaction.model = Some(Model::Drag);
-    scene.air = Some(air);
     scene
 }
 

@@ -24,7 +24,7 @@ pub(super) fn measure(lab: &Lab) -> Result<Measured> {
     }
     let tunnel = |(solver, (spacing, _), substeps)| Tunnel::cylinder(solver, spacing, substeps);
     let scenes = settings.iter().map(|&setting| {
-        let scene = tunnel(setting).scene()?;
+        let scene = tunnel(setting).scene();
         let initial = InitialState::new(&scene)?;
         Ok((scene, initial))
     });

@@ -43,13 +43,12 @@ pub(super) fn measure(lab: &Lab) -> Result<Measured> {
     for &scale in lab.some(&SCALES) {
         let whole = whole_sum(&air, scale);
         let kind = format!("s = {} mm: rms error of û over its rms", 1e3 * scale);
-        let usual = match air_scene("")?.check()?.turbulence.filter {
+        let usual = match air_scene().check()?.turbulence.filter {
             Filter::Grid(GridFilter { spacing }) => Filter::Grid(GridFilter { spacing: spacing.min(RADIUS / scale) }),
             direct => direct,
         };
         let settings = settings(lab, scale);
-        let scenes = settings.iter().map(|(filter, ..)| Ok((scene(scale, *filter)?, air.initial())));
-        let scenes = scenes.collect::<Result<Vec<_>>>()?;
+        let scenes: Vec<_> = settings.iter().map(|(filter, ..)| (scene(scale, *filter), air.initial())).collect();
         let times = timing::of_passes(&lab.gpu, &scenes, &PASSES, lab.rounds(4))?;
         for ((filter, series, setting), ms) in settings.iter().zip(times) {
             let got = vectors(&air.particles().band_velocity(&lab.gpu, scale, *filter)?);
@@ -68,11 +67,12 @@ pub(super) fn measure(lab: &Lab) -> Result<Measured> {
 }
 
 /// A band that is filtered and hardly fed.
-fn scene(scale: f64, filter: Filter) -> Result<Scene> {
-    let mut scene = air_scene("turbulence.speed = 1.0")?;
+fn scene(scale: f64, filter: Filter) -> Scene {
+    let mut scene = air_scene();
+    scene.turbulence.speed = Some(1.0);
     scene.turbulence.bands = vec![Band { scale, strength: 1e-9, intensity: 1.0 }];
     scene.turbulence.filter = Some(filter);
-    Ok(scene)
+    scene
 }
 
 /// Velocity û by the sum over all pairs and periodic images, f64: (3 − r²/s²) exp(−r²/2s²) falls into sums along the

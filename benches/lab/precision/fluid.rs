@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 
 use windswept::{AirFrame, RunError, Simulation};
 use windswept_reference::{Parameters, neighbours, sph_kernels::spiky_gradient};
-use windswept_scene::{Fluid, InitialState, Scene};
+use windswept_scene::{Fluid, FluidSolver, InitialState, Scene};
 use windswept_validate::internals::{
     Cloud, REST_DENSITY, VOLUME, air_scene, circulation_kept, energy_left, rms, stirred, vectors,
 };
@@ -49,7 +49,8 @@ const SOLVERS: [Air; 5] = [Air::divergence(2), Air::pbf(4), Air::divergence(1), 
 
 /// Errors and time of each setting.
 pub(super) fn measure(lab: &Lab) -> Result<Measured> {
-    let plain = air_scene("fluid.solver = \"pbf\"")?;
+    let mut plain = air_scene();
+    plain.fluid.solver = Some(FluidSolver::Pbf);
     let usual = (plain.fluid.iterations, plain.fluid.relaxation);
     let disturbed = disturbed();
     let moving = Cloud::centred(SIDE).stirred(SPEED, 5);
@@ -89,19 +90,18 @@ pub(super) fn measure(lab: &Lab) -> Result<Measured> {
 
 /// Adds points of both solvers, by iterations and substeps, on flows of which an ideal fluid keeps something.
 fn ideal(lab: &Lab, moving: &Cloud, measured: &mut Measured) -> Result<()> {
-    let built = |air: Air, substeps: u32| -> Result<Scene> {
-        let mut scene = air_scene("")?;
+    let built = |air: Air, substeps: u32| {
+        let mut scene = air_scene();
         scene.fluid = air.fluid();
         scene.time.substeps = substeps;
-        Ok(scene)
+        (scene, moving.initial())
     };
     let (solvers, substeps, fine): (&[_], &[_], _) =
         if lab.quick { (&SOLVERS[..1], &SUBSTEPS[..1], 1) } else { (&SOLVERS, &SUBSTEPS, FINE) };
     let settings: Vec<_> = solvers.iter().flat_map(|&air| substeps.iter().map(move |&n| (air, n))).collect();
-    let scenes = settings.iter().map(|&(air, substeps)| Ok((built(air, substeps)?, moving.initial())));
-    let scenes = scenes.collect::<Result<Vec<_>>>()?;
+    let scenes: Vec<_> = settings.iter().map(|&(air, substeps)| built(air, substeps)).collect();
     let times = timing::of_passes(&lab.gpu, &scenes, &PASSES, lab.rounds(8))?;
-    let plain = air_scene("")?;
+    let plain = air_scene();
     let usual = Air::divergence(plain.check()?.fluid.pressure_iterations);
     let plain = plain.fluid;
     let band = |fluid: &Fluid, substeps: u32| -> Result<f64> { Ok(stirred(&lab.gpu, fluid, substeps)?[0]) };

@@ -4,7 +4,7 @@
 use glam::DVec3;
 use windswept::Simulation;
 use windswept_reference::{Parameters, State, step::step as reference_step};
-use windswept_scene::{InitialState, Integrator, Scene, Solver};
+use windswept_scene::{InitialState, Integrator, Rods, Scene, Solver};
 use windswept_validate::internals::{self, GRAVITY, Hanging, LENGTH, Rod, SEGMENTS, STEP, rms};
 
 use crate::{Lab, Result, timing};
@@ -119,7 +119,7 @@ pub(super) fn measure(lab: &Lab) -> Result<Measured> {
     let truth = reference_fall(&falling, fall_steps, fine)?;
     let coarser = reference_fall(&falling, fall_steps, fine / 2)?;
     let drift: Vec<f64> = (0..falling.len()).map(|s| rms_distance(&coarser, &truth, s)).collect();
-    let default = internals::rods_scene(&[], 1, STEP, GRAVITY, &keys(0.0))?;
+    let default = internals::rods_scene(&[], 1, STEP, GRAVITY, awake(0.0));
 
     let settings = settings(lab);
     let times = times_of(lab, &settings, &rods, STRANDS)?;
@@ -183,15 +183,15 @@ fn times_of(lab: &Lab, settings: &[Setting], rods: &[Hanging], count: usize) -> 
     timing::of_passes(&lab.gpu, &scenes, &["rods/"], lab.rounds(4))
 }
 
-/// Keys of the table `rods`; damping in 1/s.
-fn keys(damping: f64) -> String {
-    format!("damping = {damping:?}, sleep = false")
+/// Strands of this damping \[1/s\] that never sleep.
+fn awake(damping: f64) -> Rods {
+    Rods { damping, sleep: false, ..Rods::default() }
 }
 
 /// The scene of `copies` strands of each rod, and its strands.
 fn build(targets: &[Hanging], copies: usize, damping: f64) -> Result<(Scene, InitialState)> {
     let rods: Vec<Rod> = targets.iter().map(|target| target.rod).collect();
-    Ok(internals::build(&rods, copies, STEP, GRAVITY, &keys(damping))?)
+    Ok(internals::build(&rods, copies, STEP, GRAVITY, awake(damping))?)
 }
 
 /// Tips from their roots \[L\], per strand, after each of `count` stretches of `steps` steps.

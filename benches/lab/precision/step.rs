@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 use windswept::Simulation;
-use windswept_scene::{InitialState, Method, Scene};
-use windswept_validate::internals::vectors;
+use windswept_scene::{Band, Fibre, Hair, InitialState, Method, Roots, Scene, Time};
+use windswept_validate::internals::{STEP, vectors};
 
 use crate::{Lab, Result, timing};
 
@@ -13,24 +13,6 @@ use super::{Air, Measured, role};
 const LENGTH: f64 = 0.06;
 /// Scale of the eddies \[m\].
 const SCALE: f64 = 0.006;
-/// Scene without the keys that are varied.
-const SCENE: &str = "
-[time]
-step = 1.38e-3
-duration = 1.0
-[hair]
-strands = 16
-points = 13
-length = 0.06
-fibres_per_strand = 100
-roots = { center = [0.05, 0.033, 0.03], radius = 0.014, direction = [1, 0.2, 0], normal = [1, 0.2, 0] }
-[air]
-box = { min = [0, 0, 0], max = [0.12, 0.06, 0.06] }
-wind = [3, 0, 0]
-ramp = 0
-[turbulence]
-bands = [{ scale = 0.006 }]
-";
 /// Steps of a run, in which air crosses the box six times.
 const STEPS: u64 = 180;
 /// Steps from one sample to the next, in the second half of a run.
@@ -74,7 +56,7 @@ pub(super) fn measure(lab: &Lab) -> Result<Measured> {
     let fine = Setting { substeps: if lab.quick { 2 } else { FINE.substeps }, ..FINE };
     let truth = run(lab, fine, steps)?;
     let half = run(lab, Setting { substeps: fine.substeps / 2, ..fine }, steps)?;
-    let usual = Scene::parse(SCENE)?.check()?;
+    let usual = scene().check()?;
     let substeps = |air: Option<Air>| lab.some(&SUBSTEPS).iter().map(move |&substeps| Setting { air, substeps });
     let settings: Vec<_> = lab.some(&AIR).iter().flat_map(|air| substeps(*air)).collect();
     let scenes = settings.iter().map(|setting| built(*setting)).collect::<Result<Vec<_>>>()?;
@@ -111,8 +93,20 @@ pub(super) fn measure(lab: &Lab) -> Result<Measured> {
     Ok(measured)
 }
 
+/// A tuft in the wind.
+fn scene() -> Scene {
+    let fibre = Fibre { fibres_per_strand: 100.0, ..Fibre::default() };
+    let hair = Hair::drawn(16, 13, LENGTH, Roots::disc([0.05, 0.033, 0.03], 0.014).toward([1.0, 0.2, 0.0]));
+    let air = windswept_scene::Air::filling([0.12, 0.06, 0.06]).wind([3.0, 0.0, 0.0]);
+    let mut scene = Scene::new(Time::new(STEP, 1.0));
+    scene.hair = vec![Hair { fibre, ..hair }];
+    scene.air = Some(windswept_scene::Air { ramp: 0.0, ..air });
+    scene.turbulence.bands = vec![Band { scale: SCALE, strength: Band::STRENGTH, intensity: Band::INTENSITY }];
+    scene
+}
+
 fn built(setting: Setting) -> Result<(Scene, InitialState)> {
-    let mut scene = Scene::parse(SCENE)?;
+    let mut scene = scene();
     match setting.air {
         Some(air) => scene.fluid = air.fluid(),
         None => scene.method = Method::Published,

@@ -5,6 +5,7 @@ use glam::DVec3;
 use windswept::Simulation;
 use windswept_reference::elastica::REAL;
 use windswept_scene::{Bounds, Fluid, Hair, InitialState, Integrator, Model, Rods, Roots, Scene, Time};
+use windswept_validate::internals::alone;
 
 use crate::{Lab, Result, timing};
 
@@ -102,7 +103,7 @@ pub(super) fn measure(lab: &Lab) -> Result<Measured> {
     }
     let scenes = settings.iter().map(|setting| setting.built()).collect::<Result<Vec<_>>>()?;
     let times = timing::of_passes(&lab.gpu, &scenes, &[""], lab.rounds(3))?;
-    let usual = Scene::parse("interaction.model = \"none\"\ntime = { step = 1e-3, duration = 1.0 }")?.check()?;
+    let usual = alone(USUAL, []).check()?;
     let mut measured = Measured::default();
     for (&setting, ms) in settings.iter().zip(times) {
         let (early, simulation) = soon(lab, setting)?;

@@ -3,7 +3,7 @@
 use windswept_scene::SceneError;
 
 /// No adapter, no device, or a device that refuses.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum GpuError {
     /// No adapter matched.
@@ -120,7 +120,7 @@ fn remedy(array: &str, fits: u64) -> String {
 }
 
 /// A run that cannot go on.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum RunError {
     /// An air particle became non-finite, or faster than 1e6 m/s.
@@ -201,7 +201,7 @@ fn before(position: [f32; 3], nearest: Option<(usize, f32)>) -> String {
 }
 
 /// A checkpoint that could not be written or read.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum CheckpointError {
     /// The operating system refused.
@@ -240,7 +240,7 @@ pub enum CheckpointError {
 }
 
 /// A simulation that could not be made.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// The scene.
@@ -251,6 +251,19 @@ pub enum Error {
     Gpu(#[from] GpuError),
 }
 
+/// `Debug` as the text of `Display`, which a `main` that returns the error prints.
+macro_rules! debug_as_display {
+    ($($error:ty),*) => {
+        $(impl std::fmt::Debug for $error {
+            fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+                std::fmt::Display::fmt(self, f)
+            }
+        })*
+    };
+}
+
+debug_as_display!(GpuError, RunError, CheckpointError, Error, crate::ops::OpsError);
+
 /// A number to six digits, however small it is.
 pub(crate) fn six_digits(x: f64) -> f64 {
     format!("{x:.5e}").parse().unwrap_or(x)
@@ -258,7 +271,19 @@ pub(crate) fn six_digits(x: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::six_digits;
+    use super::{CheckpointError, Error, GpuError, RunError, six_digits};
+    use crate::ops::OpsError;
+
+    /// A `main` that returns an error prints it as it is meant to be read.
+    #[test]
+    fn debug_is_display() {
+        let lost = || GpuError::Lost("it is gone".to_owned());
+        let (run, ops) = (RunError::from(lost()), OpsError::from(lost()));
+        let (start, checkpoint) = (Error::from(lost()), CheckpointError::from(lost()));
+        let said = [format!("{:?}", lost()), format!("{run:?}"), format!("{ops:?}"), format!("{start:?}")];
+        assert!(said.iter().all(|said| said == "the device was lost: it is gone"), "{said:?}");
+        assert_eq!(format!("{checkpoint:?}"), checkpoint.to_string());
+    }
 
     /// Times of steps that last a nanosecond are told apart, and none has the digits of its rounding.
     #[test]

@@ -12,7 +12,8 @@
 
 use glam::DVec3;
 use windswept_scene::{
-    Air, AirParticles, Band, DirectFilter, Filter, GridFilter, InitialState, Scene, SceneError, SceneValues,
+    Air, AirParticles, Band, DirectFilter, Filter, FluidSolver, GridFilter, InitialState, Scene, SceneError,
+    SceneValues, Time,
     limits::{
         COARSEST_SPACING, LARGEST, MAGNITUDES, MAX_PARTICLES_OF_AN_OPERATION, MAX_REPEATS, MIN_KERNEL_RADIUS, SMALLEST,
     },
@@ -29,15 +30,6 @@ use crate::{
     state::State,
     step::{self, Plan},
 };
-
-/// A scene of air; operations replace the values that they depend on.
-const BASE: &str = "
-time = { step = 1.0, duration = 1.0 }
-air = { box = { min = [0, 0, 0], max = [1, 1, 1] }, wind = [0, 0, 0], ramp = 0.0 }
-viscosity = { hair = 0.0, air = 0.0 }
-fluid.solver = \"pbf\"
-turbulence = { speed = 1.0 }
-";
 
 /// Equal particles in a periodic box or in free space. Every operation uses `positions` and `bounds`, and says which
 /// other fields it uses.
@@ -69,7 +61,7 @@ pub struct Neighbours {
 }
 
 /// An operation that cannot be done.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum OpsError {
     /// An argument has a wrong length, is out of range, is not finite, or asks for too much.
@@ -314,7 +306,7 @@ impl<'a> Particles<'a> {
         if self.positions.is_empty() {
             return Ok(None);
         }
-        let scene = Scene::parse(BASE)?.check()?.assuming(|_, scene| {
+        let scene = base().check()?.assuming(|_, scene| {
             if let Some(air) = &mut scene.air {
                 air.kernel_radius = self.radius;
                 air.rest_density = self.rest_density;
@@ -349,6 +341,16 @@ impl<'a> Particles<'a> {
         let (engine, plan) = (Engine::new(gpu, &setup)?, Plan::new(&setup));
         Ok(Some(Runner { engine, plan, origin: min }))
     }
+}
+
+/// A scene of air; operations replace the values that they depend on.
+fn base() -> Scene {
+    let mut scene = Scene::new(Time::new(1.0, 1.0));
+    scene.air = Some(Air { ramp: 0.0, ..Air::filling([1.0; 3]).wind([0.0; 3]) });
+    (scene.viscosity.hair, scene.viscosity.air) = (Some(0.0), Some(0.0));
+    scene.fluid.solver = Some(FluidSolver::Pbf);
+    scene.turbulence.speed = Some(1.0);
+    scene
 }
 
 /// Particles on the device.

@@ -1,9 +1,9 @@
 //! Errors on the way out, or on the way back in.
 
-use std::path::PathBuf;
+use std::{fmt, path::PathBuf};
 
 /// A file that could not be written or read, a frame that does not belong into it, a picture that cannot be made.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum ExportError {
     /// The file system or a library refused.
@@ -59,4 +59,11 @@ pub enum ExportError {
     /// The simulation whose state is to be written.
     #[error(transparent)]
     Run(#[from] windswept_engine::RunError),
+}
+
+/// The text of [`fmt::Display`], which a `main` that returns the error prints.
+impl fmt::Debug for ExportError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
 }

@@ -80,6 +80,41 @@ pub(crate) fn fastest(steady: Option<f64>, keyframes: &[Strength]) -> f64 {
 }
 
 impl Force {
+    /// A jet named `force` that begins at `origin` and blows along `axis` as far as `reach` \[m\], with a strength
+    /// \[m/s\].
+    #[must_use]
+    pub fn jet(origin: [f64; 3], axis: [f64; 3], reach: f64, strength: f64) -> Self {
+        Self { axis: Some(axis), ..Self::of(ForceField::Jet, origin, reach, strength) }
+    }
+
+    /// A vortex named `force` about the `axis` through `origin`, which ends `reach` \[m\] from it, with a strength
+    /// \[m/s\].
+    #[must_use]
+    pub fn vortex(origin: [f64; 3], axis: [f64; 3], reach: f64, strength: f64) -> Self {
+        Self { axis: Some(axis), ..Self::of(ForceField::Vortex, origin, reach, strength) }
+    }
+
+    /// Wind named `force` away from `origin`, as far as `reach` \[m\], with a strength \[m/s\]; negative draws in.
+    #[must_use]
+    pub fn point(origin: [f64; 3], reach: f64, strength: f64) -> Self {
+        Self::of(ForceField::Point, origin, reach, strength)
+    }
+
+    fn of(field: ForceField, origin: [f64; 3], reach: f64, strength: f64) -> Self {
+        let (axis, radius, uptake, keyframes) = (None, None, None, Vec::new());
+        Self {
+            name: "force".to_owned(),
+            field,
+            origin,
+            axis,
+            reach,
+            radius,
+            uptake,
+            strength: Some(strength),
+            keyframes,
+        }
+    }
+
     fn check(&self, checked: &mut CheckedForce, _: &Scene, at: &At<'_>) {
         let word = self.field.word();
         match (self.field, self.axis) {

@@ -6,9 +6,9 @@ use glam::DVec3;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept_engine::{AirFrame, Gpu, Simulation, ops::Particles};
-use windswept_scene::{Air, AirParticles, InitialState, Scene};
+use windswept_scene::{Air, AirParticles, InitialState, Scene, Time};
 
-use crate::Error;
+use crate::{Error, scenes::still};
 
 /// Mass of a particle in the paper \[kg\].
 pub const MASS: f64 = Air::PARTICLE_MASS;
@@ -147,15 +147,11 @@ pub fn waves(size: DVec3, rng: &mut Pcg64) -> impl Fn(DVec3) -> DVec3 + use<> {
     move |x| waves.iter().map(|(k, a, phase)| *a * (k.dot(x) + phase).sin()).sum()
 }
 
-/// The paper's parameters in still air without walls: no wind, no fringe, no turbulence; `keys` as a
-/// scene file has them.
-pub fn scene(keys: &str) -> Result<Scene, Error> {
-    let text = format!(
-        "time = {{ step = {STEP}, duration = 1.0 }}\n\
-         air = {{ box = {{ min = [0, 0, 0], max = [0.75, 0.75, 0.75] }}, wind = [0, 0, 0], ramp = 0.0, \
-         rest_density = {REST_DENSITY}, particle_mass = {MASS}, kernel_radius = {RADIUS} }}\n{keys}"
-    );
-    Ok(Scene::parse(&text)?)
+/// The paper's parameters in still air without walls: no wind, no fringe, no turbulence.
+pub fn scene() -> Scene {
+    let mut scene = Scene::new(Time::new(STEP, 1.0));
+    scene.air = Some(still([0.75; 3]));
+    scene
 }
 
 /// The air after a number of steps.

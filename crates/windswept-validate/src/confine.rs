@@ -8,7 +8,7 @@ use windswept_reference::{
     neighbours,
     turbulence::{self, MG, MM},
 };
-use windswept_scene::Scene;
+use windswept_scene::{Band, Method, Scene};
 
 use crate::{
     Error, Row,
@@ -45,13 +45,13 @@ pub(crate) fn laws(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     Ok(rows)
 }
 
-fn scene(published: bool, scale: f64, strength: f64) -> Result<Scene, Error> {
-    let method = if published { "published" } else { "accurate" };
+fn scene(published: bool, scale: f64, strength: f64) -> Scene {
     let (speed, intensity) = LAW;
-    air::scene(&format!(
-        "method = \"{method}\"\nturbulence = {{ speed = {speed}, \
-         bands = [{{ scale = {scale}, strength = {strength}, intensity = {intensity} }}] }}\n"
-    ))
+    let mut scene = air::scene();
+    scene.method = if published { Method::Published } else { Method::Accurate };
+    scene.turbulence.bands = vec![Band { scale, strength, intensity }];
+    scene.turbulence.speed = Some(speed);
+    scene
 }
 
 /// The gain of confinement, ε or S, where the flow is strong: from what it adds to û in a step.
@@ -59,7 +59,7 @@ fn gain(gpu: &Gpu, published: bool, name: &str) -> Result<Row, Error> {
     let lattice = Cloud::lattice([12, 12, 6], SIMPLE);
     let k = TAU / lattice.size.x;
     let cloud = lattice.moving(|x| SPEED * DVec3::new((k * x.y).sin(), (2.0 * k * x.x).sin(), 0.0));
-    let mut runner = Runner::new(gpu, &scene(published, SQRT_2 / (2.0 * k), STRENGTH)?, &cloud.initial())?;
+    let mut runner = Runner::new(gpu, &scene(published, SQRT_2 / (2.0 * k), STRENGTH), &cloud.initial())?;
     let added = confined(&mut runner)?;
     let (eddies, omega) = (runner.read(|s| &s.band_velocity)?, runner.read(|s| &s.vorticity)?);
     let flow = |i: usize| eddies[i].length() * omega[i].length();
@@ -81,7 +81,7 @@ fn gain(gpu: &Gpu, published: bool, name: &str) -> Result<Row, Error> {
 
 fn beside_reference(gpu: &Gpu, published: bool, name: &str) -> Result<Row, Error> {
     let cloud = Cloud::lattice([10; 3], SIMPLE).jittered(0.5, 4).stirred(SPEED, 4);
-    let mut runner = Runner::new(gpu, &scene(published, 6e-3, STRONG)?, &cloud.initial())?;
+    let mut runner = Runner::new(gpu, &scene(published, 6e-3, STRONG), &cloud.initial())?;
     let added = confined(&mut runner)?;
     let (eddies, omega) = (runner.read(|s| &s.band_velocity)?, runner.read(|s| &s.vorticity)?);
     let (p, s) = (&runner.p, &runner.reference);

@@ -2,12 +2,16 @@
 
 use glam::{DQuat, DVec3, EulerRot};
 use windswept_engine::{Gpu, Simulation};
-use windswept_scene::{CheckedShape, Groom, InitialState, Scene, SceneError, Solid, Triangles};
+use windswept_scene::{
+    Air, Body, CheckedShape, End, Fibre, Groom, Hair, InitialState, Keyframe, Roots, Scene, SceneError, Solid, Time,
+    Triangles,
+};
 
 use crate::{
     Error, Row,
     air::{STEP, farthest, ran, vectors},
     rods::GRAVITY,
+    scenes::{alone, blowing},
 };
 
 const SLIDES: &str = "g (sin - mu cos) t²/2, mu = 0.3, 200 steps; measured 1.7e-4 of it off; margin 2";
@@ -56,8 +60,8 @@ pub(crate) fn bodies(gpu: &Gpu) -> Result<Vec<Row>, Error> {
         rows.extend(slide.rows(gpu, 0.29)?);
     }
     rows.push(draped(gpu)?);
-    rows.push(rested(gpu, "ball", CheckedShape::sphere([0.0; 3], 0.05))?);
-    let bone = CheckedShape::capsule([-0.03, 0.0, -0.02], [0.05, 0.0, 0.03], 0.05);
+    rows.push(rested(gpu, "ball", Body::sphere([0.0; 3], 0.05))?);
+    let bone = Body::capsule([-0.03, 0.0, -0.02], [0.05, 0.0, 0.03], 0.05);
     rows.push(rested(gpu, "capsule", bone)?);
     rows.extend(passed(gpu)?);
     Ok(rows)
@@ -70,11 +74,20 @@ pub(crate) fn rests(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     Ok(rows)
 }
 
+/// Hair that never sleeps, and bodies.
+fn awake(hair: impl Into<Vec<Hair>>, bodies: impl Into<Vec<Body>>) -> Scene {
+    let mut scene = alone(STEP, hair);
+    scene.rods.sleep = false;
+    scene.bodies = bodies.into();
+    scene
+}
+
 /// A loose strand of three segments that lies on bodies in a field of gravity that slopes.
 struct Slide {
-    shapes: Vec<CheckedShape>,
-    /// Keys of the strand, and its first point \[m\].
-    hair: &'static str,
+    bodies: Vec<Body>,
+    /// Length of the strand, radius of its fibre, and its first point \[m\].
+    length: f64,
+    radius: f64,
     first: DVec3,
     steps: u64,
     /// How far the strand is off the surface, of this before the step and its points after it \[m\].
@@ -89,8 +102,9 @@ struct Slide {
 
 fn on_a_bar() -> Slide {
     Slide {
-        shapes: vec![CheckedShape::capsule([-0.5, 0.0, 0.0], [0.5, 0.0, 0.0], RADIUS)],
-        hair: "length = 0.03",
+        bodies: vec![Body::capsule([-0.5, 0.0, 0.0], [0.5, 0.0, 0.0], RADIUS)],
+        length: 0.03,
+        radius: 4e-5,
         first: RADIUS * DVec3::Y,
         steps: 200,
         off: |_, x| farthest(x.iter().map(|x| x.y.hypot(x.z) - RADIUS), 0.0),
@@ -112,8 +126,9 @@ fn on_a_mesh() -> Result<Slide, Error> {
         corners: squares.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect(),
         ..Triangles::default()
     };
+    let level = CheckedShape::Mesh(Solid::enclosed(surface, Some(8e-3))?).moved(|x| askew.inverse() * x);
     Ok(Slide {
-        shapes: vec![CheckedShape::Mesh(Solid::enclosed(surface, Some(8e-3))?).moved(|x| askew.inverse() * x)],
+        bodies: vec![Body { shape: level.into(), ..Body::sphere([0.0; 3], RADIUS) }],
         names: ["hair on a mesh's slope of", "slides", "off the surface"],
         tolerances: [2e-4, 2.7e-7, 1.1e-7],
         sources: [MESH_SLIDES, MESH_STAYS, MESH_TOUCHES],
@@ -124,10 +139,11 @@ fn on_a_mesh() -> Result<Slide, Error> {
 /// On two bars of 10 mm, with the middles of the outer two segments.
 fn on_bars() -> Slide {
     const THIN: f64 = 0.005;
-    let bar = |x| CheckedShape::capsule([x, 0.0, -0.02], [x, 0.0, 0.02], THIN);
+    let bar = |x: f64| Body::capsule([x, 0.0, -0.02], [x, 0.0, 0.02], THIN).named(x.to_string());
     Slide {
-        shapes: [-0.03, 0.03].map(bar).to_vec(),
-        hair: "length = 0.09\nradius = 2e-4",
+        bodies: [-0.03, 0.03].map(bar).into(),
+        length: 0.09,
+        radius: 2e-4,
         first: DVec3::new(-0.045, THIN, 0.0),
         steps: 70,
         off: |before, x| {
@@ -144,21 +160,11 @@ impl Slide {
     /// Rows of how far the strand slides by Coulomb's law on this slope, and of how far it is off the surface.
     fn rows(&self, gpu: &Gpu, slope: f64) -> Result<[Row; 2], Error> {
         let angle = slope.atan();
-        let body = |k: usize| {
-            format!("[[body]]\nname = \"{k}\"\ncenter = [0, 0, 0]\nradius = {RADIUS}\nfriction = {FRICTION}\n")
-        };
-        let text = format!(
-            "interaction = {{ model = \"none\" }}\ngravity = [{}, {}, 0]\ntime = {{ step = {STEP}, duration = 1.0 }}\n\
-             rods.sleep = false\n\
-             [hair]\nstrands = 1\npoints = 4\n{}\nroot = \"free\"\n\
-             roots = {{ center = [0, 0.052, 0], radius = 1e-3, direction = [1, 0, 0] }}\n{}",
-            GRAVITY * angle.sin(),
-            -GRAVITY * angle.cos(),
-            self.hair,
-            (0..self.shapes.len()).map(body).collect::<String>(),
-        );
-        let mut scene = Scene::parse(&text)?;
-        scene.bodies.iter_mut().zip(&self.shapes).for_each(|(body, shape)| body.shape = shape.clone().into());
+        let hair = Hair::drawn(1, 4, self.length, Roots::disc([0.0, 0.052, 0.0], 1e-3).toward([1.0, 0.0, 0.0]));
+        let fibre = Fibre { radius: self.radius, ..Fibre::default() };
+        let mut scene = awake([Hair { fibre, root: End::Free, ..hair }], self.bodies.clone());
+        scene.bodies.iter_mut().for_each(|body| body.friction = FRICTION);
+        scene.gravity = [GRAVITY * angle.sin(), -GRAVITY * angle.cos(), 0.0];
         let mut initial = InitialState::new(&scene)?;
         let onto = self.first - initial.hair.positions[0];
         initial.hair.positions.iter_mut().for_each(|x| *x += onto);
@@ -190,49 +196,19 @@ fn to_segment(x: DVec3, ends: &[DVec3]) -> f64 {
     (x - ends[0] - part * way).length()
 }
 
-/// A strand that is clamped above a ball and falls over it, while the ball comes up into it.
-const DRAPED: &str = "
-interaction = { model = \"none\" }
-[time]
-step = 1.38e-3
-duration = 2.0
-[rods]
-sleep = false
-[hair]
-strands = 1
-points = 41
-length = 0.2
-roots = { center = [0, 0.053, 0], radius = 1e-3, direction = [1, 0, 0] }
-[[body]]
-radius = 0.05
-center = [0, 0, 0]
-motion = [{ time = 0.0 }, { time = 0.4, translation = [0.004, 0, 0], rotation = [0, 0, 0.5] }]
-";
+/// A strand of so many points and this length \[m\] that is clamped above a body and starts in a direction.
+fn above(points: u32, length: f64, direction: [f64; 3]) -> Hair {
+    Hair::drawn(1, points, length, Roots::disc([0.0, 0.053, 0.0], 1e-3).toward(direction))
+}
 
-/// A strand that is clamped above a body, falls over it, and comes to rest.
-const RESTING: &str = "
-interaction = { model = \"none\" }
-[time]
-step = 1.38e-3
-duration = 3.0
-[rods]
-sleep = false
-damping = 20.0
-[hair]
-strands = 1
-points = 21
-length = 0.1
-roots = { center = [0, 0.053, 0], radius = 1e-3, direction = [1, 0, 0.2] }
-[[body]]
-radius = 0.05
-center = [0, 0, 0]
-friction = 1.0
-";
 /// Speed below which hair is taken to rest \[m/s\].
 const RESTS: f64 = 1e-3;
 
+/// Row of a strand that falls over a ball, which comes up into it.
 fn draped(gpu: &Gpu) -> Result<Row, Error> {
-    let scene = Scene::parse(DRAPED)?;
+    let end = Keyframe { time: 0.4, translation: [0.004, 0.0, 0.0], rotation: [0.0, 0.0, 0.5] };
+    let ball = Body { motion: [Keyframe::new(0.0), end].into(), ..Body::sphere([0.0; 3], 0.05) };
+    let scene = awake([above(41, 0.2, [1.0, 0.0, 0.0])], [ball]);
     let mut simulation = Simulation::new(gpu, &scene)?;
     let mut nearest = f64::INFINITY;
     for _ in 0..30 {
@@ -246,14 +222,14 @@ fn draped(gpu: &Gpu) -> Result<Row, Error> {
 }
 
 /// Row of how far from one another a strand comes to rest on a body, as it is and as triangles.
-fn rested(gpu: &Gpu, name: &str, shape: CheckedShape) -> Result<Row, Error> {
-    let apart = apart_on_a_mesh(gpu, name, shape, 600, InitialState::new)?;
+fn rested(gpu: &Gpu, name: &str, body: Body) -> Result<Row, Error> {
+    let apart = apart_on_a_mesh(gpu, name, body, 600, InitialState::new)?;
     Ok(Row::new(format!("hair on a {name}: at rest on a mesh of it, apart"), 0.0, apart, 2e-4, RESTED).in_unit("m"))
 }
 
 /// Row of how far from one another strands come to rest that fall over a capsule, along it and askew.
 fn spread(gpu: &Gpu) -> Result<Row, Error> {
-    let bone = CheckedShape::capsule([-0.03, 0.0, 0.01], [0.03, 0.01, -0.01], 0.03);
+    let bone = Body::capsule([-0.03, 0.0, 0.01], [0.03, 0.01, -0.01], 0.03);
     let strand = |s: u32| {
         let (sin, cos) = (f64::from(s) * 0.5 * std::f64::consts::FRAC_PI_3).sin_cos();
         let along = DVec3::new(cos, 0.0, sin);
@@ -269,12 +245,12 @@ fn spread(gpu: &Gpu) -> Result<Row, Error> {
 fn apart_on_a_mesh(
     gpu: &Gpu,
     name: &str,
-    shape: CheckedShape,
+    body: Body,
     steps: u64,
     start: impl Fn(&Scene) -> Result<InitialState, SceneError>,
 ) -> Result<f64, Error> {
-    let mut scene = Scene::parse(RESTING)?;
-    scene.bodies[0].shape = shape.into();
+    let mut scene = awake([above(21, 0.1, [1.0, 0.0, 0.2])], [Body { friction: 1.0, ..body }]);
+    scene.rods.damping = 20.0;
     let at_rest = |scene: &Scene| rest(gpu, name, scene, start(scene)?, steps);
     let (round, meshed) = (at_rest(&scene)?, at_rest(&meshed(&scene, FINE, 2e-3)?)?);
     Ok(farthest(round.iter().zip(&meshed).map(|(a, b)| a.distance(*b)), 0.0))
@@ -291,21 +267,6 @@ fn rest(gpu: &Gpu, name: &str, scene: &Scene, initial: InitialState, steps: u64)
     Ok(vectors(&frame.hair.positions))
 }
 
-/// A body of 80 mm without weight about it, for strands that are rooted in it.
-const COMBED: &str = "
-interaction = { model = \"none\" }
-gravity = [0, 0, 0]
-[time]
-step = 1.38e-3
-duration = 3.0
-[rods]
-sleep = false
-damping = 20.0
-[[body]]
-radius = 0.04
-center = [0, 0, 0]
-";
-
 /// The scene with its body as so many rings and sectors of triangles, in a grid of this spacing \[m\].
 pub(crate) fn meshed(scene: &Scene, [rings, sectors]: [u32; 2], spacing: f64) -> Result<Scene, Error> {
     let surface = scene.check()?.bodies[0].shape.surface(rings, sectors);
@@ -317,7 +278,8 @@ pub(crate) fn meshed(scene: &Scene, [rings, sectors]: [u32; 2], spacing: f64) ->
 /// Rows of how fast strands still are that are rooted below the surface of a ball and combed along it, on the ball and
 /// on triangles.
 fn combed(gpu: &Gpu) -> Result<[Row; 2], Error> {
-    let scene = Scene::parse(COMBED)?;
+    let mut scene = awake([], [Body::sphere([0.0; 3], 0.04)]);
+    (scene.gravity, scene.rods.damping) = ([0.0; 3], 20.0);
     Ok([combing(gpu, "ball", &scene)?, combing(gpu, "mesh", &meshed(&scene, FINE, 2e-3)?)?])
 }
 
@@ -335,25 +297,12 @@ fn combing(gpu: &Gpu, name: &str, scene: &Scene) -> Result<Row, Error> {
     Ok(Row::new(title, 0.0, speed, RESTS_COMBED, COMBED_RESTS).in_unit("m/s"))
 }
 
-/// Wind past a ball that moves.
-const PASSED: &str = "
-[time]
-step = 1.38e-3
-duration = 1.0
-[air]
-box = { min = [0, 0, 0], max = [0.07, 0.06, 0.06] }
-wind = [3, 0, 0]
-ramp = 0.0
-fringe = 0.01
-[[body]]
-radius = 0.01
-center = [0.04, 0.03, 0.03]
-motion = [{ time = 0.0 }, { time = 0.1, translation = [-0.01, 0, 0] }]
-";
-
-/// Rows of the air nearest to a ball, as it is and as triangles.
+/// Rows of the air nearest to a ball that moves in a wind, as it is and as triangles.
 fn passed(gpu: &Gpu) -> Result<[Row; 2], Error> {
-    let scene = Scene::parse(PASSED)?;
+    let mut scene = Scene::new(Time::new(STEP, 1.0));
+    scene.air = Some(Air { fringe: Some(0.01), ..blowing([0.07, 0.06, 0.06], [3.0, 0.0, 0.0]) });
+    let end = Keyframe { translation: [-0.01, 0.0, 0.0], ..Keyframe::new(0.1) };
+    scene.bodies = vec![Body { motion: [Keyframe::new(0.0), end].into(), ..Body::sphere([0.04, 0.03, 0.03], 0.01) }];
     let mesh = meshed(&scene, FINE, 5e-4)?;
     Ok([passing(gpu, "ball", &scene, 1.7e-8, BESIDE)?, passing(gpu, "mesh", &mesh, 5e-7, BESIDE_MESH)?])
 }

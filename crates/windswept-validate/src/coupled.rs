@@ -3,12 +3,13 @@
 use glam::DVec3;
 use windswept_engine::{Gpu, Simulation};
 use windswept_reference::{self as reference, Parameters, State, fluid, step::unobserved};
-use windswept_scene::{FluidSolver, InitialState, Scene};
+use windswept_scene::{Fibre, FluidSolver, Hair, InitialState, Integrator, Model, Roots, Scene};
 use windswept_shaders::common::rod::RodPoint;
 
 use crate::{
     Error, Row,
     air::{STEP, ran, vectors},
+    scenes::{afloat, still},
 };
 
 const DRAG: &str = "no formula: measured, 12 strands of 60 mm in a stream of 3 m/s, 41 ms; the tolerance keeps it \
@@ -21,13 +22,8 @@ const HELD: &str = "Newton's third law, rods by Euler, no XSPH: air's and hair's
 const SHARES: &str = "no formula: measured, of air's loss, 6 strands of 30 mm in a stream of 3 m/s, 41 ms; the tolerance keeps \
     the sign";
 
-/// Strands across the middle of the box.
-const STRANDS: &str = "
-strands = 12
-points = 12
-length = 0.06
-roots = { center = [0.04, 0.01, 0.04], radius = 0.012, direction = [0, 1, 0], normal = [0, 1, 0] }
-";
+/// Direction of strands that stand across the stream.
+const UP: [f64; 3] = [0.0, 1.0, 0.0];
 /// Velocity of the air at the start \[m/s\].
 const STREAM: DVec3 = DVec3::new(3.0, 0.0, 0.0);
 /// Mass of a loose root over that of the point after it: the momentum that the root receives can be read from its
@@ -45,22 +41,21 @@ pub(crate) fn drag(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     Ok(rows)
 }
 
-/// Hair among air without weight, awake, in a periodic box; without wind, so that there is no fringe. `keys` are a
-/// scene file's, `hair` those of its group.
-pub(crate) fn windless(keys: &str, size: [f64; 3], hair: &str) -> Result<Scene, Error> {
-    Ok(Scene::parse(&format!(
-        "gravity = [0, 0, 0]\ninteraction.model = \"particles\"\ntime = {{ step = {STEP}, duration = 1.0 }}\n\
-         rods.sleep = false\n\
-         air = {{ box = {{ min = [0, 0, 0], max = {size:?} }}, wind = [0, 0, 0], ramp = 0.0 }}\n{keys}\n\
-         [[hair]]\nfibres_per_strand = 100\n{hair}"
-    ))?)
+/// Hair of a hundred fibres a strand that is one fluid with air without wind, in a periodic box.
+pub(crate) fn windless(size: [f64; 3], hair: Hair) -> Scene {
+    let fibre = Fibre { fibres_per_strand: 100.0, ..hair.fibre };
+    let mut scene = afloat(STEP, still(size), [Hair { fibre, ..hair }]);
+    scene.interaction.model = Some(Model::Particles);
+    scene
 }
 
 fn loose(gpu: &Gpu, solver: FluidSolver, drag: f64, balance: f64) -> Result<Vec<Row>, Error> {
-    let solver = solver.word();
+    let hair = Hair::drawn(12, 12, 0.06, Roots::disc([0.04, 0.01, 0.04], 0.012).toward(UP));
+    let mut scene = windless([0.12, 0.08, 0.08], hair);
+    scene.fluid.solver = Some(solver);
     // The drag of 12.1 mN was found without a viscosity of small eddies.
-    let scene =
-        windless(&format!("fluid.solver = \"{solver}\"\nviscosity.smagorinsky = 0"), [0.12, 0.08, 0.08], STRANDS)?;
+    scene.viscosity.smagorinsky = Some(0.0);
+    let solver = solver.word();
     let mut initial = InitialState::new(&scene)?;
     initial.air.velocities.fill(STREAM);
     let hair = &mut initial.hair;
@@ -111,23 +106,14 @@ pub(crate) fn lasting(simulation: &Simulation) -> Result<Vec<DVec3>, Error> {
     Ok(air.iter().zip(coming).map(|(v, change)| *v + 0.5 * change).collect())
 }
 
-/// Fewer and shorter strands with clamped roots.
-const CLAMPED: &str = "
-strands = 6
-points = 7
-length = 0.03
-roots = { center = [0.025, 0.01, 0.025], radius = 0.01, direction = [0, 1, 0], normal = [0, 1, 0] }
-";
-/// Keys with which only two things act on roots: the density constraint and the first segment.
-const TWO_ACT: &str = "
-rods.integrator = \"euler\"
-fluid.solver = \"pbf\"
-viscosity = { hair = 0.0, air = 0.0 }
-";
-
 /// Rows of clamped roots: they take the momentum that air and hair lose.
 fn clamped(gpu: &Gpu) -> Result<Vec<Row>, Error> {
-    let scene = windless(TWO_ACT, [0.07, 0.05, 0.05], CLAMPED)?;
+    let hair = Hair::drawn(6, 7, 0.03, Roots::disc([0.025, 0.01, 0.025], 0.01).toward(UP));
+    let mut scene = windless([0.07, 0.05, 0.05], hair);
+    // Only two things act on roots: the density constraint and the first segment.
+    scene.rods.integrator = Some(Integrator::Euler);
+    scene.fluid.solver = Some(FluidSolver::Pbf);
+    (scene.viscosity.hair, scene.viscosity.air) = (Some(0.0), Some(0.0));
     let mut initial = InitialState::new(&scene)?;
     initial.air.velocities.fill(STREAM);
     let p = Parameters::new(&scene.check()?, &initial);

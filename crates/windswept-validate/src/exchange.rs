@@ -3,13 +3,14 @@
 
 use glam::DVec3;
 use windswept_engine::{Gpu, Simulation, internals::step};
-use windswept_reference::elastica::{Hair, REAL};
-use windswept_scene::{AirParticles, InitialState, Scene};
+use windswept_reference::elastica::{self, REAL};
+use windswept_scene::{Air, AirParticles, Fibre, Hair, InitialState, Roots};
 
 use crate::{
     Error, Row,
-    air::{Cloud, RADIUS, REST_DENSITY, SIMPLE, mean, spacing, vectors},
+    air::{Cloud, RADIUS, REST_DENSITY, SIMPLE, STEP, mean, spacing, vectors},
     runner::Runner,
+    scenes::{afloat, blowing, still},
 };
 
 const SINGLE: &str = "the law at the wind's speed; own wake taken out; the bound is 0.98 to 1.005";
@@ -130,29 +131,21 @@ impl Fence {
     fn simulation(&self, gpu: &Gpu) -> Result<Simulation, Error> {
         let air = self.air();
         let length = self.length();
-        let points = (length / GAP).ceil() as usize + 1;
+        let points = (length / GAP).ceil() as u32 + 1;
         let (strands, disc) = self.disc;
-        let group = |[x, y]: &[f64; 2]| {
-            format!(
-                "[[hair]]\nname = \"{y}\"\nstrands = {strands}\npoints = {points}\nlength = {length}\nradius = {}\n\
-                 density = {HEAVY}\nfibres_per_strand = {}\n\
-                 roots = {{ center = [{x}, {y}, {EDGE}], radius = {disc}, direction = [0, 0, 1] }}\n",
-                self.radius, self.fibres
-            )
+        let (radius, fibres_per_strand) = (self.radius, self.fibres);
+        let fibre = Fibre { radius, density: HEAVY, fibres_per_strand, ..Fibre::default() };
+        let group = |&[x, y]: &[f64; 2]| {
+            let roots = Roots::disc([x, y, EDGE], disc).toward([0.0, 0.0, 1.0]);
+            Hair { fibre, ..Hair::drawn(strands, points, length, roots).named(y.to_string()) }
         };
-        let text = format!(
-            "gravity = [0, 0, 0]\ninteraction = {{ model = \"two-way\" }}\n\
-             time = {{ step = {}, duration = 10.0 }}\nrods = {{ sleep = false }}\n\
-             [air]\nbox = {{ min = [0, 0, 0], max = {:?} }}\nwind = [{WIND}, 0, 0]\nramp = 0.0\n\
-             particle_mass = {}\nkernel_radius = {}\nkinematic_viscosity = {}\n{}",
-            self.step,
-            air.size.to_array(),
-            air.mass,
-            RADIUS / self.finer,
-            self.viscosity,
-            self.places.iter().map(group).collect::<String>(),
-        );
-        let scene = Scene::parse(&text)?;
+        let wind = Air {
+            particle_mass: air.mass,
+            kernel_radius: RADIUS / self.finer,
+            kinematic_viscosity: self.viscosity,
+            ..blowing(air.size.to_array(), [WIND, 0.0, 0.0])
+        };
+        let scene = afloat(self.step, wind, self.places.iter().map(group).collect::<Vec<_>>());
         let hair = InitialState::new(&scene)?.hair;
         Ok(Simulation::with_state(gpu, &scene, InitialState { hair, air, ..InitialState::default() })?)
     }
@@ -190,7 +183,7 @@ impl Fence {
 
 /// Force on a metre of fibre across air of this speed \[N/m\].
 fn law(speed: f64) -> f64 {
-    Hair { wind: speed, ..REAL }.drag(0.0)[0]
+    elastica::Hair { wind: speed, ..REAL }.drag(0.0)[0]
 }
 
 /// u/U in a porous strip across a channel of which it takes the part `blockage`: k u² is the head that it takes from
@@ -369,28 +362,14 @@ pub(crate) fn strip_halved(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     Ok(rows)
 }
 
-/// A tuft that has been blown for a while.
-const TUFT: &str = "
-gravity = [0, 0, 0]
-interaction = { model = \"two-way\" }
-time = { step = 1.38e-3, duration = 1.0 }
-rods = { sleep = false }
-[[hair]]
-strands = 12
-points = 10
-length = 0.045
-fibres_per_strand = 36
-roots = { center = [0.03, 0.055, 0.03], radius = 0.012 }
-[air]
-box = { min = [0, 0, 0], max = [0.08, 0.06, 0.06] }
-wind = [0, 0, 0]
-ramp = 0.0
-";
+/// Steps in which a tuft is blown.
 const STEPS: u64 = 30;
 
 /// The momentum that air loses to a tuft in whole steps is that which the tuft gets; a single exchange loses energy.
 fn kept(gpu: &Gpu) -> Result<Vec<Row>, Error> {
-    let scene = Scene::parse(TUFT)?;
+    let hair = Hair::drawn(12, 10, 0.045, Roots::disc([0.03, 0.055, 0.03], 0.012));
+    let fibre = Fibre { fibres_per_strand: 36.0, ..Fibre::default() };
+    let scene = afloat(STEP, still([0.08, 0.06, 0.06]), [Hair { fibre, ..hair }]);
     let mut initial = InitialState::new(&scene)?;
     initial.air.velocities.fill(DVec3::X * WIND);
     let mass = initial.air.mass;

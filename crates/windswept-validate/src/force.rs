@@ -2,14 +2,15 @@
 
 use glam::DVec3;
 use windswept_engine::{Accelerations, Gpu, Simulation, internals::step};
-use windswept_scene::{InitialState, Scene};
+use windswept_scene::{End, Fibre, Force, Hair, InitialState, Moduli, Roots, Scene, Stiffness, Strength};
 
 use crate::{
     Error, Row,
     air::{self, Cloud, SIMPLE, STEP, farthest, vectors},
     momentum::exchanged,
     runner::Runner,
-    wind::{FIBRE_MASS, across, blown},
+    scenes::{afloat, alone, still},
+    wind::{FIBRE_MASS, across, blown, loose},
 };
 
 const JET: &str =
@@ -47,32 +48,41 @@ fn off(got: &[DVec3], wanted: impl Iterator<Item = DVec3>) -> f64 {
     farthest(got.iter().zip(wanted).map(|(got, wanted)| (*got - wanted).length() / STRENGTH), 0.0)
 }
 
-/// Velocities of still air in a field after so many steps.
-fn moved(gpu: &Gpu, force: &str, cloud: &Cloud, steps: u64) -> Result<Vec<DVec3>, Error> {
-    let scene = air::scene(&format!("force = {{ {force} }}"))?;
-    let after = air::run(gpu, &scene, cloud, steps)?;
+/// Still air in a field of this radius and way of uptake \[m\].
+fn in_field(force: Force, radius: f64, uptake: f64) -> Scene {
+    let force = Force { radius: Some(radius), uptake: Some(uptake), ..force };
+    Scene { forces: vec![force], ..air::scene() }
+}
+
+/// Velocities of air after so many steps.
+fn moved(gpu: &Gpu, scene: &Scene, cloud: &Cloud, steps: u64) -> Result<Vec<DVec3>, Error> {
+    let after = air::run(gpu, scene, cloud, steps)?;
     Ok(after.velocities.into_iter().map(DVec3::from_array).collect())
 }
 
+/// Way of uptake of a wide jet \[m\].
+const UPTAKE: f64 = 0.05;
+
 /// A jet that is as strong in all of the box, along (2, 1, -2)/3.
-const WIDE_JET: &str = "field = \"jet\", origin = [-0.2, -0.1, 0.2], axis = [2, 1, -2], radius = 1.0, reach = 2.0";
+fn wide_jet() -> Scene {
+    in_field(Force::jet([-0.2, -0.1, 0.2], [2.0, 1.0, -2.0], 2.0, STRENGTH), 1.0, UPTAKE)
+}
 
 fn jet(gpu: &Gpu) -> Result<Row, Error> {
-    let uptake = 0.05;
-    let force = format!("{WIDE_JET}, strength = {STRENGTH}, uptake = {uptake}");
-    let got = moved(gpu, &force, &Cloud::lattice([10, 6, 6], SIMPLE), STEPS)?;
-    let speed = STRENGTH * (1.0 - (-STRENGTH * STEPS as f64 * STEP / uptake).exp());
+    let got = moved(gpu, &wide_jet(), &Cloud::lattice([10, 6, 6], SIMPLE), STEPS)?;
+    let speed = STRENGTH * (1.0 - (-STRENGTH * STEPS as f64 * STEP / UPTAKE).exp());
     let wanted = speed / 3.0 * DVec3::new(2.0, 1.0, -2.0);
     Ok(Row::new("jet over all air: its velocity, of S", 0.0, off(&got, std::iter::repeat(wanted)), 6.5e-7, JET))
 }
 
 fn keyframes(gpu: &Gpu) -> Result<Row, Error> {
-    let (uptake, end) = (0.05, 0.02);
-    let keys = format!("[{{ time = 0, strength = {STRENGTH} }}, {{ time = {end}, strength = {} }}]", -STRENGTH);
-    let force = format!("{WIDE_JET}, keyframes = {keys}, uptake = {uptake}");
-    let got = moved(gpu, &force, &Cloud::lattice([10, 6, 6], SIMPLE), STEPS)?;
+    let end = 0.02;
+    let keyframes = [(0.0, STRENGTH), (end, -STRENGTH)].map(|(time, strength)| Strength { time, strength });
+    let mut scene = wide_jet();
+    (scene.forces[0].strength, scene.forces[0].keyframes) = (None, keyframes.into());
+    let got = moved(gpu, &scene, &Cloud::lattice([10, 6, 6], SIMPLE), STEPS)?;
     let strength = |step: u64| STRENGTH * (1.0 - 2.0 * (step as f64 * STEP / end).min(1.0));
-    let speed = (1..=STEPS).map(strength).fold(0.0, |v, s| v + (1.0 - (-s.abs() * STEP / uptake).exp()) * (s - v));
+    let speed = (1..=STEPS).map(strength).fold(0.0, |v, s| v + (1.0 - (-s.abs() * STEP / UPTAKE).exp()) * (s - v));
     let wanted = speed / 3.0 * DVec3::new(2.0, 1.0, -2.0);
     Ok(Row::new("jet that turns round: velocity, of S", 0.0, off(&got, std::iter::repeat(wanted)), 8e-7, COURSE))
 }
@@ -81,11 +91,7 @@ fn keyframes(gpu: &Gpu) -> Result<Row, Error> {
 fn narrow_jet(gpu: &Gpu) -> Result<Row, Error> {
     let cloud = Cloud::random(11, 4);
     let (start, reach, radius, uptake) = (0.3 * cloud.size, 0.6 * cloud.size.x, 0.25 * cloud.size.x, 0.01);
-    let scene = air::scene(&format!(
-        "force = {{ field = \"jet\", origin = {:?}, axis = [0, 0, 1], reach = {reach}, radius = {radius}, \
-         strength = {STRENGTH}, uptake = {uptake} }}",
-        start.to_array()
-    ))?;
+    let scene = in_field(Force::jet(start.to_array(), [0.0, 0.0, 1.0], reach, STRENGTH), radius, uptake);
     let mut runner = Runner::new(gpu, &scene, &cloud.initial())?;
     runner.run(step::forcing::record)?;
     let fade = |part: f64| {
@@ -109,13 +115,8 @@ fn vortex(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let axis = DVec3::new(3.0, -7.0, 2.0).normalize();
     let added = |radius: f64| -> Result<(Vec<DVec3>, f64), Error> {
         let uptake = 0.02;
-        let scene = air::scene(&format!(
-            "force = {{ field = \"vortex\", origin = {:?}, axis = {:?}, radius = {radius}, reach = 0.5, \
-             strength = {STRENGTH}, uptake = {uptake} }}",
-            center.to_array(),
-            axis.to_array()
-        ))?;
-        let mut runner = Runner::new(gpu, &scene, &cloud.initial())?;
+        let vortex = Force::vortex(center.to_array(), axis.to_array(), 0.5, STRENGTH);
+        let mut runner = Runner::new(gpu, &in_field(vortex, radius, uptake), &cloud.initial())?;
         runner.run(step::forcing::record)?;
         Ok((runner.read(|s| &s.wind_change)?, 1.0 - (-STRENGTH * STEP / uptake).exp()))
     };
@@ -145,12 +146,8 @@ fn vortex(gpu: &Gpu) -> Result<Vec<Row>, Error> {
 fn point(gpu: &Gpu) -> Result<Row, Error> {
     let cloud = Cloud::lattice([16; 3], SIMPLE).jittered(0.05, 3);
     let (reach, uptake) = (0.45 * cloud.size.x, 0.1);
-    let force = format!(
-        "field = \"point\", origin = {:?}, reach = {reach}, strength = {}, uptake = {uptake}",
-        (0.5 * cloud.size).to_array(),
-        -STRENGTH
-    );
-    let got = moved(gpu, &force, &cloud, STEPS)?;
+    let sink = Force::point((0.5 * cloud.size).to_array(), reach, -STRENGTH);
+    let got = moved(gpu, &in_field(sink, 0.25 * reach, uptake), &cloud, STEPS)?;
     let free = STRENGTH * (1.0 - (-STRENGTH * STEPS as f64 * STEP / uptake).exp());
     let fastest = farthest(got.iter().map(|v| v.length() / free), 0.0);
     Ok(Row::new("point in air: largest speed, of that without pressure", 0.0, fastest, 0.1, SINK))
@@ -158,11 +155,9 @@ fn point(gpu: &Gpu) -> Result<Row, Error> {
 
 /// A strand that a point draws in, so far away that it blows as strongly on all of the strand.
 fn pulled(gpu: &Gpu) -> Result<Row, Error> {
-    let keys = format!(
-        "[force]\nfield = \"point\"\norigin = [200, 0, 0]\nradius = 200\nreach = 400\nstrength = {}\n",
-        -STRENGTH
-    );
-    let given = blown(gpu, DVec3::ZERO, DVec3::Z, [0.0, 0.0], &keys, 1)?;
+    let mut scene = loose(DVec3::ZERO, DVec3::Z, [0.0, 0.0]);
+    scene.forces = vec![Force { radius: Some(200.0), ..Force::point([200.0, 0.0, 0.0], 400.0, -STRENGTH) }];
+    let given = blown(gpu, &scene, 1)?;
     let share = STEP * across(STRENGTH) / FIBRE_MASS;
     let expected = share / (1.0 + share) * STRENGTH;
     let measured = farthest(given.iter().map(|v| v.x), expected);
@@ -175,19 +170,15 @@ pub(crate) fn set(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     Ok(vec![held(gpu)?, hair_falls(gpu)?, air_falls(gpu)?, given(gpu)?])
 }
 
-const ALONE: &str = "
-interaction = { model = \"none\" }
-time = { step = 1.38e-3, duration = 1.0 }
-[hair]
-strands = 3
-points = 8
-length = 0.1
-youngs_modulus = 1e7
-roots = { center = [0, 0, 0], radius = 0.02, direction = [1, 0, 0] }
-";
+/// Soft level strands.
+fn level() -> Hair {
+    let stiffness = Stiffness::Moduli(Moduli { youngs_modulus: 1e7, ..Moduli::default() });
+    let fibre = Fibre { stiffness, ..Fibre::default() };
+    Hair { fibre, ..Hair::drawn(3, 8, 0.1, Roots::disc([0.0; 3], 0.02).toward([1.0, 0.0, 0.0])) }
+}
 
 fn held(gpu: &Gpu) -> Result<Row, Error> {
-    let scene = Scene::parse(ALONE)?;
+    let scene = alone(STEP, [level()]);
     let initial = InitialState::new(&scene)?;
     let hair = vec![-DVec3::from_array(scene.gravity); initial.hair.positions.len()];
     let start = initial.hair.positions.clone();
@@ -203,7 +194,8 @@ fn held(gpu: &Gpu) -> Result<Row, Error> {
 const PUSH: DVec3 = DVec3::new(20.0, -10.0, 30.0);
 
 fn hair_falls(gpu: &Gpu) -> Result<Row, Error> {
-    let scene = Scene::parse(&format!("gravity = [0, 0, 0]\n{ALONE}root = \"free\"\n"))?;
+    let mut scene = alone(STEP, [Hair { root: End::Free, ..level() }]);
+    scene.gravity = [0.0; 3];
     let initial = InitialState::new(&scene)?;
     let hair = vec![PUSH; initial.hair.positions.len()];
     let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
@@ -215,7 +207,7 @@ fn hair_falls(gpu: &Gpu) -> Result<Row, Error> {
 
 fn air_falls(gpu: &Gpu) -> Result<Row, Error> {
     let cloud = Cloud::lattice([8; 3], SIMPLE);
-    let mut simulation = Simulation::with_state(gpu, &air::scene("")?, cloud.initial())?;
+    let mut simulation = Simulation::with_state(gpu, &air::scene(), cloud.initial())?;
     let air = vec![PUSH; cloud.positions.len()];
     simulation.set_force(&Accelerations { air, ..Accelerations::default() })?;
     simulation.step(50)?;
@@ -231,13 +223,8 @@ fn fallen(velocities: &[[f32; 3]]) -> f64 {
 
 /// Loose strands that are pushed through air: hair has less momentum by that of the air.
 fn given(gpu: &Gpu) -> Result<Row, Error> {
-    let scene = Scene::parse(
-        "gravity = [0, 0, 0]\ninteraction = { model = \"two-way\" }\ntime = { step = 1.38e-3, duration = 1.0 }\n\
-         rods = { sleep = false }\n\
-         [hair]\nstrands = 6\npoints = 10\nlength = 0.03\nroot = \"free\"\n\
-         roots = { center = [0.03, 0.045, 0.03], radius = 0.012 }\n\
-         [air]\nbox = { min = [0, 0, 0], max = [0.08, 0.06, 0.06] }\nwind = [0, 0, 0]\nramp = 0.0\n",
-    )?;
+    let hair = Hair::drawn(6, 10, 0.03, Roots::disc([0.03, 0.045, 0.03], 0.012));
+    let scene = afloat(STEP, still([0.08, 0.06, 0.06]), [Hair { root: End::Free, ..hair }]);
     let steps = 60;
     let mut simulation = Simulation::new(gpu, &scene)?;
     let masses = &simulation.initial().hair.inverse_mass;

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use windswept_engine::{Gpu, Simulation, internals::step};
-use windswept_scene::{InitialState, Scene};
+use windswept_scene::{Air, Bounds, End, Fibre, Hair, InitialState, Roots, Scene};
 use windswept_shaders::common::rod::SLEEPS;
 
 use crate::{
@@ -11,6 +11,7 @@ use crate::{
     exchange::MOMENTUM,
     rods::GRAVITY,
     runner::Runner,
+    scenes::afloat,
 };
 
 const SLIDES: &str = "g (sin - mu cos), mu = 0.3, by v^2 over whole spacings of the bed's points; 2 % in the reference";
@@ -21,7 +22,7 @@ const SLEEPS_THERE: &str = "all of the mat: nothing moves it";
 /// Coefficient of friction μ.
 const FRICTION: f64 = 0.3;
 /// Points of a strand.
-const POINTS: usize = 9;
+const POINTS: u32 = 9;
 /// Length of a strand \[m\].
 const LENGTH: f64 = 0.05;
 /// Distance of its points \[m\].
@@ -52,18 +53,29 @@ pub(crate) fn rows(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     ])
 }
 
-/// Still air above the hair, farther than the kernel radius. Coordinates begin at the box: f32 resolves less far away
-/// from it.
-const ABOVE: &str = "air = { box = { min = [0, 0.04, 0], max = [0.04, 0.08, 0.04] }, wind = [0, 0, 0], ramp = 0.0 }\n";
+/// Strands along +x, of fibres of this radius \[m\].
+fn level(strands: usize, radius: f64) -> Hair {
+    let roots = Roots::disc([0.0; 3], 1e-3).toward([1.0, 0.0, 0.0]);
+    let fibre = Fibre { radius, ..Fibre::default() };
+    Hair { fibre, friction: FRICTION, root: End::Free, ..Hair::drawn(strands as u32, POINTS, LENGTH, roots) }
+}
 
-/// Hair below the air, along +x.
-fn scene(strands: usize, gravity: [f64; 3]) -> Result<Scene, Error> {
-    Ok(Scene::parse(&format!(
-        "gravity = {gravity:?}\ntime = {{ step = {STEP}, duration = 1.0 }}\ninteraction = {{ model = \"two-way\" }}\n\
-         rods.sleep = false\nfluid.iterations = 4\nviscosity = {{ hair = 0, air = 0 }}\n\
-         {ABOVE}[[hair]]\nstrands = {strands}\npoints = {POINTS}\nlength = {LENGTH}\nradius = {RADIUS}\nroot = \"free\"\nfriction = {FRICTION}\n\
-         roots = {{ center = [0, 0, 0], radius = 1e-3, direction = [1, 0, 0] }}\n"
-    ))?)
+/// Hair below still air, farther than the kernel radius, in steps of `step` \[s\]. Coordinates begin at the box: f32
+/// resolves less far away from it.
+fn below_air(step: f64, gravity: [f64; 3], hair: impl Into<Vec<Hair>>) -> Scene {
+    let bounds = Some(Bounds { min: [0.0, 0.04, 0.0], max: [0.04, 0.08, 0.04] });
+    let air = Air { bounds, ramp: 0.0, ..Air::default().wind([0.0; 3]) };
+    let mut scene = afloat(step, air, hair);
+    scene.gravity = gravity;
+    scene.fluid.iterations = 4;
+    scene
+}
+
+/// Heavy loose strands without viscosity.
+fn scene(strands: usize, gravity: [f64; 3]) -> Scene {
+    let mut scene = below_air(STEP, gravity, [level(strands, RADIUS)]);
+    (scene.viscosity.hair, scene.viscosity.air) = (Some(0.0), Some(0.0));
+    scene
 }
 
 /// Puts strand `s` with its root to `x`.
@@ -87,7 +99,7 @@ fn lay(initial: &mut InitialState, [along, across, deep]: [usize; 3]) {
 fn slide(gpu: &Gpu, slope: f64, speed: f64) -> Result<Vec<(f64, f64)>, Error> {
     let (sin, cos) = slope.atan().sin_cos();
     let bed = BED.iter().product();
-    let scene = scene(bed + BUNDLE, [GRAVITY * sin, -GRAVITY * cos, 0.0])?;
+    let scene = scene(bed + BUNDLE, [GRAVITY * sin, -GRAVITY * cos, 0.0]);
     let mut initial = InitialState::new(&scene)?;
     lay(&mut initial, BED);
     for s in 0..BUNDLE {
@@ -132,22 +144,13 @@ pub(crate) fn mat_for_long(gpu: &Gpu) -> Result<Vec<Row>, Error> {
 /// Rows of hairs that are clamped at their roots and lie on a bed of held ones: how far they creep in a time \[s\] that
 /// begins after another one, and how many of them sleep then.
 fn lies(gpu: &Gpu, strands: usize, [before, watched]: [f64; 2]) -> Result<Vec<Row>, Error> {
-    let hair = format!("radius = 4e-5\nfriction = {FRICTION}\npoints = {POINTS}\nlength = {LENGTH}\n");
-    let group = |name: &str, strands: usize, root: &str| {
-        format!(
-            "[[hair]]\nname = \"{name}\"\nstrands = {strands}\n{hair}root = \"{root}\"\n\
-            roots = {{ center = [0, 0, 0], radius = 1e-3, direction = [1, 0, 0] }}\n"
-        )
-    };
     let under = [2, 9, 2];
     let bed = under.iter().product();
-    let text = format!(
-        "gravity = [0, -{GRAVITY}, 0]\ntime = {{ step = 2e-3, duration = 20.0 }}\ninteraction = {{ model = \"two-way\" }}\n\
-         rods.damping = 5.0\nfluid.iterations = 4\nviscosity.hair = 0.1\n{ABOVE}{}{}",
-        group("bed", bed, "free"),
-        group("mat", strands, "clamped")
-    );
-    let scene = Scene::parse(&text)?;
+    let fine = Fibre::default().radius;
+    let mat = Hair { root: End::Clamped, ..level(strands, fine).named("mat") };
+    let mut scene = below_air(2e-3, [0.0, -GRAVITY, 0.0], [level(bed, fine).named("bed"), mat]);
+    (scene.rods.damping, scene.rods.sleep) = (5.0, true);
+    scene.viscosity.hair = Some(0.1);
     let mut initial = InitialState::new(&scene)?;
     lay(&mut initial, under);
     for s in 0..strands {
@@ -174,7 +177,7 @@ fn lies(gpu: &Gpu, strands: usize, [before, watched]: [f64; 2]) -> Result<Vec<Ro
 
 /// Row of what friction changes all momentum of a crowd of loose strands by, which pass one another.
 fn momentum(gpu: &Gpu) -> Result<Row, Error> {
-    let scene = scene(60, [0.0; 3])?;
+    let scene = scene(60, [0.0; 3]);
     let mut initial = InitialState::new(&scene)?;
     for s in 0..initial.hair.len() {
         let at = [s % 5, s / 5 % 4, s / 20].map(|k| 2.5e-3 * k as f64);

@@ -10,11 +10,13 @@ use windswept_reference::{
     elastica::{Hair, REAL},
     tables,
 };
-use windswept_scene::{InitialState, Scene};
+use windswept_scene::{Air, Fibre, InitialState, Model, Roots, Scene};
 
 use crate::{
     Error, Row,
-    air::{Cloud, REST_DENSITY, SIMPLE, mean, vectors},
+    air::{Cloud, SIMPLE, mean, vectors},
+    rods::stiffness,
+    scenes::in_wind,
 };
 
 const TABLE: &str = "hair_in_wind.csv, part (b); 34 segments by themselves are 2.8e-4 and 7.4e-4 L off";
@@ -46,48 +48,40 @@ const LOOKS: u32 = 20;
 const WATCHED: f64 = 0.1;
 
 /// How a hair is blown.
-struct Blown<'a> {
+struct Blown {
     hair: Hair,
     segments: usize,
     step: f64,
-    model: &'a str,
+    model: Model,
     damping: f64,
     /// Time over which the wind rises \[s\].
     ramp: f64,
 }
 
-impl Blown<'_> {
+impl Blown {
     fn drag(hair: Hair, step: f64) -> Self {
-        Self { hair, segments: SEGMENTS, step, model: "drag", damping: DAMPING, ramp: 0.0 }
+        Self { hair, segments: SEGMENTS, step, model: Model::Drag, damping: DAMPING, ramp: 0.0 }
     }
 
-    /// The scene of the blown hair, with its wind, and the strand hanging straight down from `root`.
-    fn scene(&self, root: DVec3, bounds: &str) -> Result<Scene, Error> {
+    /// The scene of the blown hair, in this air with its wind, and the strand hanging straight down from `root`.
+    fn scene(&self, root: DVec3, air: Air) -> Scene {
         let Hair { radius, density, length, gravity, wind, viscosity, .. } = self.hair;
         // The strand bends like the hair and stretches like a real one, however limp.
         let (stretch, bend) = (REAL.youngs_modulus * PI * radius.powi(2), self.hair.bend_stiffness());
-        let text = format!(
-            "gravity = [0, {}, 0]\ninteraction = {{ model = \"{}\" }}\ntime = {{ step = {}, duration = 100.0 }}\n\
-             rods = {{ sleep = false, damping = {} }}\n\
-             [air]\n{bounds}\nwind = [{wind}, 0, 0]\nramp = {}\nrest_density = {REST_DENSITY}\n\
-             kinematic_viscosity = {viscosity}\n\
-             [hair]\nstrands = 1\npoints = {}\nlength = {length}\nradius = {radius}\ndensity = {density}\n\
-             stretch_stiffness = {stretch}\nbend_stiffness = {bend}\ntwist_stiffness = {}\nroots = {{ center = {:?}, radius = 1e-9 }}\n",
-            0.0 - gravity,
-            self.model,
-            self.step,
-            self.damping,
-            self.ramp,
-            self.segments + 1,
-            bend / 1.38,
-            root.to_array(),
-        );
-        Ok(Scene::parse(&text)?)
+        let fibre = Fibre { radius, density, stiffness: stiffness(stretch, bend), ..Fibre::default() };
+        let roots = Roots::disc(root.to_array(), 1e-9);
+        let strand = windswept_scene::Hair::drawn(1, self.segments as u32 + 1, length, roots);
+        let air = Air { ramp: self.ramp, kinematic_viscosity: viscosity, ..air.wind([wind, 0.0, 0.0]) };
+        let mut scene = in_wind(self.step, air, [windswept_scene::Hair { fibre, ..strand }]);
+        scene.interaction.model = Some(self.model);
+        scene.gravity = [0.0, -gravity, 0.0];
+        (scene.rods.sleep, scene.rods.damping) = (false, self.damping);
+        scene
     }
 
     /// The hair in the model `drag`, at a time after the wind has set in \[s\].
     fn after(&self, gpu: &Gpu, time: f64) -> Result<Simulation, Error> {
-        let scene = self.scene(DVec3::ZERO, "")?;
+        let scene = self.scene(DVec3::ZERO, Air::default());
         let mut simulation = Simulation::new(gpu, &scene)?;
         simulation.step((time / self.step).round() as u64)?;
         Ok(simulation)
@@ -99,8 +93,7 @@ impl Blown<'_> {
         let settled = Self::drag(self.hair, 1.38e-3).after(gpu, settled)?.frame()?.hair;
         let cloud = Cloud::lattice(cells, SIMPLE).jittered(0.05, 7).moving(|_| DVec3::X * self.hair.wind);
         let root = cloud.size * DVec3::new(0.45, 0.5, 0.5) + 0.5 * self.hair.length * DVec3::Y;
-        let bounds = format!("box = {{ min = [0, 0, 0], max = {:?} }}", cloud.size.to_array());
-        let scene = self.scene(root, &bounds)?;
+        let scene = self.scene(root, Air::filling(cloud.size.to_array()));
         let mut hair = InitialState::new(&scene)?.hair;
         let places = vectors(&settled.positions);
         let first = hair.positions[0] - places[0];
@@ -195,7 +188,7 @@ pub(crate) fn two_way(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     for row in tables::hair_in_wind().iter().filter(|row| row.gravity > 0.0) {
         for step in [1.38e-3, 5e-3] {
             let hair = Hair { wind: row.wind, ..REAL };
-            let blown = Blown { model: "two-way", damping: 0.0, ..Blown::drag(hair, step) };
+            let blown = Blown { model: Model::TwoWay, damping: 0.0, ..Blown::drag(hair, step) };
             let mut simulation = blown.in_air(gpu, [24, 16, 6], 0.6)?;
             simulation.step((0.12 / step).round() as u64)?;
             let (tip, rms) = watched(&mut simulation, &hair, step)?;
@@ -213,7 +206,7 @@ pub(crate) fn two_way(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     }
     let free = Blown { damping: 0.0, ..Blown::drag(REAL, 1.25e-3) };
     let wanted = tip(&free.after(gpu, 0.04)?, &REAL)?;
-    let mut simulation = Blown { model: "two-way", ..free }.in_air(gpu, [24, 16, 6], 0.0)?;
+    let mut simulation = Blown { model: Model::TwoWay, ..free }.in_air(gpu, [24, 16, 6], 0.0)?;
     simulation.step((0.04 / 1.25e-3_f64).round() as u64)?;
     let gap = (tip(&simulation, &REAL)? - wanted).length();
     rows.push(

@@ -21,6 +21,7 @@ mod reference;
 mod rods;
 mod row;
 mod runner;
+mod scenes;
 pub mod stress;
 mod taylor_green;
 mod tuft;
@@ -44,11 +45,14 @@ pub mod internals {
             BEND_OVER_TWIST, GRAVITY, Hanging, LENGTH, LINE_DENSITY, Rod, SEGMENTS, STRETCH, build, mode,
             scene as rods_scene, tips,
         },
+        scenes::{alone, in_wind},
         stress::chain_tip,
         vortex::circulation_kept,
         walls::Tunnel,
     };
 }
+
+use std::fmt;
 
 use windswept_engine::{Gpu, GpuError, RunError, ops::OpsError};
 use windswept_scene::SceneError;
@@ -121,7 +125,7 @@ pub const LONG_CHECKS: &[Check] = &[
 ];
 
 /// A check that could not be done.
-#[derive(Debug, thiserror::Error)]
+#[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
     /// A single pass failed.
@@ -142,4 +146,11 @@ pub enum Error {
     /// The state that a check needs did not come about.
     #[error("{0}")]
     Missing(String),
+}
+
+/// The text of [`fmt::Display`], which a `main` that returns the error prints.
+impl fmt::Debug for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        fmt::Display::fmt(self, f)
+    }
 }

@@ -4,13 +4,14 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 use windswept_engine::{Gpu, RunError, Simulation};
-use windswept_scene::{FluidSolver, InitialState, Scene};
+use windswept_scene::{End, Fibre, FluidSolver, Hair, InitialState, Roots};
 use windswept_shaders::common::integration::BDF2;
 
 use crate::{
     Error, Row,
     air::{self, Cloud, SIMPLE, ran, vectors},
     coupled::{lasting, windless},
+    scenes::{afloat, still},
 };
 
 const KEPT: &str = "over sum m |v| at the end; 1000 particles stirred at 0.3 m/s; measured 2.3e-8 in 300 steps with pbf, 2.1e-7 in 100 with \
@@ -22,15 +23,6 @@ const CUT: &str = "over sum |J| of 6 steps; measured 5.6e-7 and 5.4e-7: f32";
 
 /// Steps of a run.
 const STEPS: u64 = 100;
-/// Loose strands.
-const LOOSE: &str = "
-strands = 4
-points = 7
-length = 0.025
-root = \"free\"
-roots = { center = [0.03, 0.018, 0.03], radius = 0.006, direction = [0, 1, 0] }
-";
-
 /// Speed of a storm that is there at once \[m/s\].
 const STORM: f64 = 100.0;
 /// Number of steps of a storm.
@@ -51,13 +43,9 @@ pub(crate) fn closed_box(gpu: &Gpu) -> Result<Vec<Row>, Error> {
 /// Row of the momentum of hair and air with loose strands in a stream: strands of this density \[kg/m³\] with
 /// their roots at this height \[m\], in air of a speed \[m/s\], in so many steps of a length \[s\].
 fn streamed(gpu: &Gpu, height: f64, density: f64, (speed, step, steps): (f64, f64, u64)) -> Result<Row, Error> {
-    let scene = Scene::parse(&format!(
-        "gravity = [0, 0, 0]\ninteraction = {{ model = \"two-way\" }}\ntime = {{ step = {step}, duration = 1.0 }}\n\
-         rods = {{ sleep = false }}\n\
-         [hair]\nstrands = 6\npoints = 10\nlength = 0.045\nroot = \"free\"\ndensity = {density}\n\
-         roots = {{ center = [0.03, {height}, 0.03], radius = 0.012 }}\n\
-         [air]\nbox = {{ min = [0, 0, 0], max = [0.08, 0.06, 0.06] }}\nwind = [0, 0, 0]\nramp = 0.0\n"
-    ))?;
+    let hair = Hair::drawn(6, 10, 0.045, Roots::disc([0.03, height, 0.03], 0.012));
+    let fibre = Fibre { density, ..Fibre::default() };
+    let scene = afloat(step, still([0.08, 0.06, 0.06]), [Hair { fibre, root: End::Free, ..hair }]);
     let mut initial = InitialState::new(&scene)?;
     initial.air.velocities.fill(DVec3::X * speed);
     let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
@@ -142,7 +130,8 @@ pub(crate) fn received(simulation: &mut Simulation, steps: u64) -> Result<(DVec3
 }
 
 fn hair_in_air(gpu: &Gpu) -> Result<Row, Error> {
-    let scene = windless("", [0.06; 3], LOOSE)?;
+    let hair = Hair::drawn(4, 7, 0.025, Roots::disc([0.03, 0.018, 0.03], 0.006).toward([0.0, 1.0, 0.0]));
+    let scene = windless([0.06; 3], Hair { root: End::Free, ..hair });
     let mut initial = InitialState::new(&scene)?;
     let k = TAU / initial.air.size;
     for (v, x) in initial.air.velocities.iter_mut().zip(&initial.air.positions) {
@@ -171,7 +160,8 @@ fn hair_in_air(gpu: &Gpu) -> Result<Row, Error> {
 /// Row of the momentum of stirred air in a closed box, in parts of the speeds that the air starts with.
 pub(crate) fn air_alone(gpu: &Gpu, solver: FluidSolver, steps: u64, tolerance: f64) -> Result<Row, Error> {
     let cloud = Cloud::lattice([10; 3], SIMPLE).jittered(0.1, 5).stirred(0.3, 5);
-    let scene = air::scene(&format!("fluid.solver = \"{}\"", solver.word()))?;
+    let mut scene = air::scene();
+    scene.fluid.solver = Some(solver);
     let simulation = ran(gpu, &scene, cloud.initial(), steps)?;
     let after = lasting(&simulation)?;
     let change: DVec3 = after.iter().zip(&cloud.velocities).map(|(v, start)| *v - DVec3::from_array(*start)).sum();

@@ -7,7 +7,7 @@ use glam::DVec3;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept_engine::Gpu;
-use windswept_scene::{DirectFilter, Filter, Fluid, FluidSolver, InitialState, Scene};
+use windswept_scene::{Air, DirectFilter, Filter, Fluid, FluidSolver, InitialState, Scene};
 
 use crate::{
     Error, Row,
@@ -57,13 +57,12 @@ const WIND: DVec3 = DVec3::new(3.0, 0.0, 0.0);
 
 /// Air without friction, at so many substeps. The wind of 3 m/s has no fringe to enter through: it says how much
 /// particles are spread, and does nothing else.
-fn scene(fluid: &Fluid, substeps: u32) -> Result<Scene, Error> {
-    let mut scene = air::scene("viscosity = { hair = 0.0, air = 0.0 }")?;
+fn scene(fluid: &Fluid, substeps: u32) -> Scene {
+    let mut scene = air::scene();
     (scene.fluid, scene.time.substeps) = (fluid.clone(), substeps);
-    if let Some(air) = &mut scene.air {
-        (air.wind, air.fringe) = (Some(WIND.to_array()), Some(0.0));
-    }
-    Ok(scene)
+    (scene.viscosity.hair, scene.viscosity.air) = (Some(0.0), Some(0.0));
+    scene.air = scene.air.map(|air| Air { fringe: Some(0.0), ..air.wind(WIND.to_array()) });
+    scene
 }
 
 impl Vortices {
@@ -99,11 +98,11 @@ impl Vortices {
 
 /// Rows of the invariants of vortices, a void, uniform air and a blow.
 pub(crate) fn rows(gpu: &Gpu) -> Result<Vec<Row>, Error> {
-    let fluid = &air::scene("")?.fluid;
+    let fluid = &Fluid::default();
     let turnover = MELTED.turnover();
-    let one = MELTED.left(gpu, &scene(fluid, 1)?, turnover)?;
+    let one = MELTED.left(gpu, &scene(fluid, 1), turnover)?;
     let mut rows = vec![Row::new("Taylor-Green, 16 d, 1 substep: energy after a turnover", 0.97, one, 0.03, IDEAL)];
-    let carried = Vortices { carried: 3.0, ..MELTED }.left(gpu, &scene(fluid, 1)?, turnover)?;
+    let carried = Vortices { carried: 3.0, ..MELTED }.left(gpu, &scene(fluid, 1), turnover)?;
     rows.push(Row::new(
         "Taylor-Green, 16 d, carried by 3 m/s: energy off that at rest",
         0.0,
@@ -111,7 +110,7 @@ pub(crate) fn rows(gpu: &Gpu) -> Result<Vec<Row>, Error> {
         5e-3,
         GALILEO,
     ));
-    let viscosity = FRESH.viscosity(gpu, &scene(fluid, 1)?, 0.276)?;
+    let viscosity = FRESH.viscosity(gpu, &scene(fluid, 1), 0.276)?;
     rows.push(
         Row::new("Taylor-Green, 24 d: viscosity of the solver", 5e-6, viscosity, 5e-6, NUMERICAL).in_unit("m²/s"),
     );
@@ -129,9 +128,9 @@ pub(crate) fn rows(gpu: &Gpu) -> Result<Vec<Row>, Error> {
 
 /// Rows of the energy of vortices at short steps and when they are large and fast, and of a stirred box.
 pub(crate) fn limits(gpu: &Gpu) -> Result<Vec<Row>, Error> {
-    let fluid = &air::scene("")?.fluid;
+    let fluid = &Fluid::default();
     let turnover = MELTED.turnover();
-    let left = |substeps: u32| MELTED.left(gpu, &scene(fluid, substeps)?, turnover);
+    let left = |substeps: u32| MELTED.left(gpu, &scene(fluid, substeps), turnover);
     let (four, eight, sixteen) = (left(4)?, left(8)?, left(16)?);
     let large = Vortices { across: 64, deep: 6, speed: 3.0, ..MELTED };
     let mut rows = vec![
@@ -141,7 +140,7 @@ pub(crate) fn limits(gpu: &Gpu) -> Result<Vec<Row>, Error> {
         Row::new(
             "Taylor-Green, 64 d, 3 m/s: energy after a turnover",
             0.94,
-            large.left(gpu, &scene(fluid, 1)?, large.turnover())?,
+            large.left(gpu, &scene(fluid, 1), large.turnover())?,
             0.06,
             IDEAL,
         ),
@@ -161,7 +160,7 @@ pub(crate) fn limits(gpu: &Gpu) -> Result<Vec<Row>, Error> {
 /// Row of the rms of the velocities of jittered air off a uniform wind \[m/s\].
 fn uniform(gpu: &Gpu, fluid: &Fluid, substeps: u32) -> Result<Row, Error> {
     let cloud = Cloud::lattice([8; 3], SIMPLE).jittered(0.2, 7).moving(|_| WIND);
-    let simulation = ran(gpu, &scene(fluid, substeps)?, cloud.initial(), 600_u64.div_ceil(substeps.into()))?;
+    let simulation = ran(gpu, &scene(fluid, substeps), cloud.initial(), 600_u64.div_ceil(substeps.into()))?;
     let v = vectors(&simulation.frame()?.air.velocities);
     let noise = mean(v.iter().map(|v| (*v - WIND).length_squared())).sqrt();
     let name = format!("uniform wind of 3 m/s, {substeps} substeps, 600 in all: rms of the velocity off it");
@@ -181,7 +180,7 @@ fn filled(gpu: &Gpu, fluid: &Fluid) -> Result<f64, Error> {
     cloud.velocities.truncate(cloud.positions.len());
     let mut initial = cloud.initial();
     initial.air.volume = size.element_product() / cloud.positions.len() as f64;
-    let simulation = ran(gpu, &scene(fluid, 1)?, initial.clone(), (0.070 / STEP).round() as u64)?;
+    let simulation = ran(gpu, &scene(fluid, 1), initial.clone(), (0.070 / STEP).round() as u64)?;
     let moved = center + WIND * simulation.time();
     let within = cloud.of_frame(&simulation.frame()?.air).positions.iter().filter(|x| off(x, moved) < radius).count();
     Ok(within as f64 * initial.air.volume / (4.0 / 3.0 * std::f64::consts::PI * radius.powi(3)))
@@ -192,7 +191,7 @@ fn blow(gpu: &Gpu, fluid: &Fluid) -> Result<f64, Error> {
     let cloud = Cloud::lattice([12; 3], SIMPLE).jittered(0.05, 7);
     let mut initial: InitialState = cloud.initial();
     initial.air.velocities[100] = DVec3::X;
-    let simulation = ran(gpu, &scene(fluid, 1)?, initial, 20)?;
+    let simulation = ran(gpu, &scene(fluid, 1), initial, 20)?;
     let sum: DVec3 = vectors(&simulation.frame()?.air.velocities).into_iter().sum();
     Ok((sum - DVec3::X).length())
 }
@@ -227,13 +226,13 @@ fn swirling(cloud: Cloud, speed: f64) -> Cloud {
 
 /// Energy of vortices of 16 spacings and 0.3 m/s after a turnover, of that at the start.
 pub fn energy_left(gpu: &Gpu, fluid: &Fluid, substeps: u32) -> Result<f64, Error> {
-    MELTED.left(gpu, &scene(fluid, substeps)?, MELTED.turnover())
+    MELTED.left(gpu, &scene(fluid, substeps), MELTED.turnover())
 }
 
 /// Energy of the bands of `SCALES` in a box that was stirred to 0.5 m/s rms, after 0.12 s \[m²/s²\].
 pub fn stirred(gpu: &Gpu, fluid: &Fluid, substeps: u32) -> Result<[f64; 3], Error> {
     let cloud = swirling(Cloud::lattice([16; 3], SIMPLE).jittered(0.2, 7), 0.5);
-    let mut scene = scene(fluid, substeps)?;
+    let mut scene = scene(fluid, substeps);
     scene.viscosity.air = Some(0.014);
     let simulation = ran(gpu, &scene, cloud.initial(), (0.12 / STEP).round() as u64)?;
     let after = cloud.of_frame(&simulation.frame()?.air);

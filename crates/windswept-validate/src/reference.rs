@@ -3,12 +3,15 @@
 use glam::DVec3;
 use windswept_engine::{Gpu, internals::step};
 use windswept_reference::{self as reference, Parameters, fluid, neighbours, step::unobserved, turbulence, viscosity};
-use windswept_scene::{Band, DirectFilter, Filter, Fluid, FluidSolver, InitialState, Scene};
+use windswept_scene::{
+    Band, DirectFilter, Filter, Fluid, FluidSolver, Hair, InitialState, Integrator, Rods, Roots, Solver,
+};
 
 use crate::{
     Error, Row,
-    air::{self, Cloud, MASS, REST_DENSITY, VOLUME, vectors},
+    air::{self, Cloud, MASS, REST_DENSITY, STEP, VOLUME, vectors},
     runner::Runner,
+    scenes::alone,
 };
 
 const PASS: &str =
@@ -28,7 +31,7 @@ const VISCOSITY: f64 = 0.9;
 pub(crate) fn passes(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let cloud = Cloud::random(15, 11).stirred(1.0, 11);
     let band = Band { scale: 6e-3, strength: 1.0, intensity: 1.0 };
-    let mut scene = air::scene("")?;
+    let mut scene = air::scene();
     scene.fluid = Fluid { solver: Some(FluidSolver::Pbf), iterations: 1, relaxation: 0.5, ..Fluid::default() };
     scene.viscosity.air = Some(VISCOSITY);
     let initial = cloud.initial();
@@ -72,21 +75,6 @@ fn across(gap: DVec3, size: DVec3) -> DVec3 {
     gap - size * (gap / size).round()
 }
 
-/// Curled strands without air.
-const STRANDS: &str = "
-interaction = { model = \"none\" }
-[[hair]]
-strands = 12
-points = 20
-length = 0.1
-curl = { radius = 4e-3, pitch = 0.03 }
-roots = { center = [0, 0, 0], radius = 0.02, direction = [1, 0, 0] }
-[time]
-step = 1.38e-3
-duration = 1.0
-[rods]
-sleep = false
-";
 /// Largest speed at the start \[m/s\].
 const THROWN: f64 = 0.2;
 
@@ -94,11 +82,13 @@ const THROWN: f64 = 0.2;
 /// move.
 pub(crate) fn rods(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let mut rows = Vec::new();
-    for (pass, keys) in
-        [("rods/solve", "newton = 2"), ("rods/gauss_seidel", "solver = \"gauss-seidel\"\niterations = 20")]
-    {
-        for integrator in ["bdf2", "euler"] {
-            let scene = Scene::parse(&format!("{STRANDS}{keys}\nintegrator = \"{integrator}\"\n"))?;
+    let hair = Hair::drawn(12, 20, 0.1, Roots::disc([0.0; 3], 0.02).toward([1.0, 0.0, 0.0]));
+    let mut scene = alone(STEP, [hair.curled(4e-3, 0.03)]);
+    for (pass, solver) in [("rods/solve", Solver::Direct), ("rods/gauss_seidel", Solver::GaussSeidel)] {
+        for integrator in [Integrator::Bdf2, Integrator::Euler] {
+            let (solver, name) = (Some(solver), integrator.word());
+            let integrator = Some(integrator);
+            scene.rods = Rods { solver, integrator, newton: 2, iterations: 20, sleep: false, ..Rods::default() };
             let mut initial = InitialState::new(&scene)?;
             let hair = &mut initial.hair;
             for (v, x) in hair.velocities.iter_mut().zip(&hair.positions) {
@@ -118,7 +108,7 @@ pub(crate) fn rods(gpu: &Gpu) -> Result<Vec<Row>, Error> {
             reference::contact::run(&mut w, &p);
             let change = |v: &[DVec3]| v.iter().zip(&free).map(|(v, free)| *v - *free).collect::<Vec<_>>();
             let measured = error(&change(&runner.read(|s| &s.new_velocity)?), &change(&w.new_velocity));
-            rows.push(Row::new(format!("reference: {pass}, {integrator}"), 0.0, measured, 8.5e-5, RODS));
+            rows.push(Row::new(format!("reference: {pass}, {name}"), 0.0, measured, 8.5e-5, RODS));
         }
     }
     Ok(rows)

@@ -5,11 +5,12 @@ use std::f64::consts::{PI, TAU};
 use glam::{DMat3, DQuat, DVec3};
 use windswept_engine::{Gpu, HairFrame, Simulation};
 use windswept_reference::tables;
-use windswept_scene::{InitialState, Scene};
+use windswept_scene::{Fibre, Hair, InitialState, Moduli, Rods, Roots, Scene, Stiffness, StrandStiffness};
 
 use crate::{
     Error, Row,
     air::{farthest, ran, vectors},
+    scenes::alone,
 };
 
 const TIP: &str = "windswept_reference::tables; 34 segments by themselves are 1e-4 to 2.1e-3 off (elastica), 6e-4 (helix); \
@@ -66,43 +67,45 @@ impl Rod {
         LINE_DENSITY * GRAVITY * LENGTH.powi(3) / self.gamma
     }
 
-    /// The strand's group, of `copies` strands, as a scene file spells it.
-    fn group(&self, i: usize, copies: usize) -> String {
-        let (bend, twist) = (self.bend(), self.bend() / BEND_OVER_TWIST);
+    /// The strand's group, of `copies` strands.
+    fn group(&self, i: usize, copies: usize) -> Hair {
         let kappa = self.darboux / LENGTH;
         let square = kappa.length_squared();
-        let (radius, pitch) = (kappa.y / square, TAU * kappa.z / square);
-        let curl =
-            if square > 0.0 { format!("curl = {{ radius = {radius}, pitch = {pitch} }}\n") } else { String::new() };
-        format!(
-            "[[hair]]\nname = \"{i}\"\nstrands = {copies}\npoints = {}\nlength = {LENGTH}\n{curl}\
-             stretch_stiffness = {STRETCH}\nbend_stiffness = {bend}\ntwist_stiffness = {twist}\n\
-             roots = {{ center = [0, 0, {i}], radius = 1e-3, direction = [1, 0, 0] }}\n",
-            self.segments + 1
-        )
+        let fibre = Fibre { stiffness: stiffness(STRETCH, self.bend()), ..Fibre::default() };
+        let roots = Roots::disc([0.0, 0.0, i as f64], 1e-3).toward([1.0, 0.0, 0.0]);
+        let mut hair = Hair::drawn(copies as u32, self.segments as u32 + 1, LENGTH, roots).named(i.to_string());
+        if square > 0.0 {
+            hair = hair.curled(kappa.y / square, TAU * kappa.z / square);
+        }
+        Hair { fibre, ..hair }
     }
 }
 
-/// Scene of `copies` strands of each rod; Δt in s, gravity downward in m/s², `keys` of the table `rods`.
-///
-/// # Errors
-/// [`Error::Scene`] if the scene cannot be.
-pub fn scene(rods: &[Rod], copies: usize, step: f64, gravity: f64, keys: &str) -> Result<Scene, Error> {
-    let groups: String = rods.iter().enumerate().map(|(i, rod)| rod.group(i, copies)).collect();
-    let text = format!(
-        "interaction = {{ model = \"none\" }}\ngravity = [0, {}, 0]\ntime = {{ step = {step}, duration = 1.0 }}\n\
-         rods = {{ {keys} }}\n{groups}",
-        0.0 - gravity
-    );
-    Ok(Scene::parse(&text)?)
+/// Stiffnesses of a strand: EA \[N\], EI \[N m²\], and the GJ of a round one.
+pub(crate) fn stiffness(stretch: f64, bend: f64) -> Stiffness {
+    let (twist, poissons_ratio) = (bend / BEND_OVER_TWIST, Moduli::default().poissons_ratio);
+    Stiffness::Direct(StrandStiffness { stretch, bend, twist, poissons_ratio })
+}
+
+/// Scene of `copies` strands of each rod; Δt in s, gravity downward in m/s².
+#[must_use]
+pub fn scene(rods: &[Rod], copies: usize, step: f64, gravity: f64, solved: Rods) -> Scene {
+    let groups: Vec<Hair> = rods.iter().enumerate().map(|(i, rod)| rod.group(i, copies)).collect();
+    Scene { gravity: [0.0, -gravity, 0.0], rods: solved, ..alone(step, groups) }
 }
 
 /// The [`scene`] and its strands, each clamped as its rod says.
 ///
 /// # Errors
 /// [`Error::Scene`] if the scene cannot be.
-pub fn build(rods: &[Rod], copies: usize, step: f64, gravity: f64, keys: &str) -> Result<(Scene, InitialState), Error> {
-    let scene = scene(rods, copies, step, gravity, keys)?;
+pub fn build(
+    rods: &[Rod],
+    copies: usize,
+    step: f64,
+    gravity: f64,
+    solved: Rods,
+) -> Result<(Scene, InitialState), Error> {
+    let scene = scene(rods, copies, step, gravity, solved);
     let mut initial = InitialState::new(&scene)?;
     for s in 0..initial.hair.len() {
         let rod = &rods[initial.hair.group[s] as usize];
@@ -113,8 +116,7 @@ pub fn build(rods: &[Rod], copies: usize, step: f64, gravity: f64, keys: &str) -
 
 /// The scene that this file runs: the direct solver with BDF2, awake. Damping in 1/s.
 fn built(rods: &[Rod], step: f64, damping: f64, gravity: f64) -> Result<(Scene, InitialState), Error> {
-    let keys = format!("solver = \"direct\", integrator = \"bdf2\", sleep = false, damping = {damping}");
-    build(rods, 1, step, gravity, &keys)
+    build(rods, 1, step, gravity, Rods { damping, sleep: false, ..Rods::default() })
 }
 
 /// Tip of each strand, from its root \[L\].

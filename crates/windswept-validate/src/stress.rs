@@ -17,7 +17,7 @@ mod winds;
 
 use glam::DVec3;
 use windswept_engine::{Gpu, Report, RunError, Simulation};
-use windswept_scene::{Scene, Strands};
+use windswept_scene::{Air, Band, Fibre, FluidSolver, Hair, Model, Roots, Scene, Strands, Time};
 
 pub use self::{
     bits::{couplings, differing_bytes, fingerprint},
@@ -26,7 +26,8 @@ pub use self::{
 };
 use crate::{
     Error, Sweep,
-    air::{farthest, vectors},
+    air::{STEP, farthest, vectors},
+    scenes::blowing,
 };
 
 /// Settings that are swept together, and what is looked at.
@@ -85,46 +86,69 @@ pub const STRESSES: &[Stress] = &[
     Stress { name: "bits", swept: bits::SWEPT, run: bits::sweeps },
 ];
 
-/// Couplings of hair and air, and the keys that ask for them: each model, and both fluid solvers.
-const COUPLINGS: [(&str, &[&str]); 6] = [
-    ("none", &["interaction.model=none"]),
-    ("drag", &["interaction.model=drag"]),
-    ("two-way, divergence", &["interaction.model=two-way", "fluid.solver=divergence"]),
-    ("two-way, pbf", &["interaction.model=two-way", "fluid.solver=pbf"]),
-    ("particles, divergence", &["interaction.model=particles", "fluid.solver=divergence"]),
-    ("particles, pbf", &["interaction.model=particles", "fluid.solver=pbf"]),
-];
-/// Whether a coupling has particles of air.
-fn has_air(coupling: &str) -> bool {
-    coupling.contains(", ")
+/// Coupling of hair and air: a model, and the fluid solver of one that has particles of air.
+#[derive(Debug, Clone, Copy)]
+struct Coupling {
+    name: &'static str,
+    model: Model,
+    solver: Option<FluidSolver>,
 }
 
-/// The coupling of a cut.
-const USUAL: [(&str, &[&str]); 1] = [COUPLINGS[2]];
+/// Each model, and both fluid solvers.
+const COUPLINGS: [Coupling; 6] = {
+    let (divergence, pbf) = (Some(FluidSolver::Divergence), Some(FluidSolver::Pbf));
+    [
+        Coupling { name: "none", model: Model::None, solver: None },
+        Coupling { name: "drag", model: Model::Drag, solver: None },
+        Coupling { name: "two-way, divergence", model: Model::TwoWay, solver: divergence },
+        Coupling { name: "two-way, pbf", model: Model::TwoWay, solver: pbf },
+        Coupling { name: "particles, divergence", model: Model::Particles, solver: divergence },
+        Coupling { name: "particles, pbf", model: Model::Particles, solver: pbf },
+    ]
+};
 
-/// Length of a strand of [`TUFT`] \[m\].
+/// The coupling of a cut.
+const USUAL: [Coupling; 1] = [COUPLINGS[2]];
+
+/// Wind that most runs have \[m/s\].
+const WIND: f64 = 3.0;
+/// Band of eddies in long runs.
+const BAND: Band = Band { scale: 0.006, strength: 3.0, intensity: 0.3 };
+/// Points of a strand of a tuft, and its length \[m\].
+const POINTS: u32 = 9;
 const LENGTH: f64 = 0.05;
 
-/// Six strands of real hair, 50 mm long, in some 600 particles of air.
-const TUFT: &str = "
-time = { step = 1.38e-3, duration = 1e4 }
-[hair]
-strands = 6
-points = 9
-length = 0.05
-fibres_per_strand = 4
-roots = { center = [0.02, 0.055, 0.014], radius = 0.006 }
-[air]
-box = { min = [0, 0, 0], max = [0.04, 0.06, 0.028] }
-wind = [3, 0, 0]
-ramp = 0
-fringe = 0.01
-";
+impl Coupling {
+    /// Whether there are particles of air.
+    fn has_air(self) -> bool {
+        self.model.has_air()
+    }
 
-/// A scene with some keys changed.
-fn scene(text: &str, keys: &[&[&str]]) -> Result<Scene, Error> {
-    let sets: Vec<String> = keys.iter().copied().flatten().map(|set| (*set).to_owned()).collect();
-    Ok(Scene::parse_with("stress", text, &sets)?)
+    /// The scene with this coupling.
+    fn of(self, mut scene: Scene) -> Scene {
+        scene.interaction.model = Some(self.model);
+        scene.fluid.solver = self.solver;
+        scene
+    }
+
+    /// Six strands of real hair, 50 mm long, in some 600 particles of air, in a wind \[m/s\].
+    fn tuft(self, wind: f64) -> Scene {
+        let mut scene = Scene::new(Time::new(STEP, 1e4));
+        scene.hair = vec![strands(6, POINTS, LENGTH, roots())];
+        scene.air = Some(Air { fringe: Some(0.01), ..blowing([0.04, 0.06, 0.028], [wind, 0.0, 0.0]) });
+        self.of(scene)
+    }
+}
+
+/// Strands of four fibres each.
+fn strands(count: u32, points: u32, length: f64, roots: Roots) -> Hair {
+    let fibre = Fibre { fibres_per_strand: 4.0, ..Fibre::default() };
+    Hair { fibre, ..Hair::drawn(count, points, length, roots) }
+}
+
+/// Roots of a tuft, from which it hangs.
+fn roots() -> Roots {
+    Roots::disc([0.02, 0.055, 0.014], 0.006)
 }
 
 /// Measures of a run's faults; NaN where it ended early.

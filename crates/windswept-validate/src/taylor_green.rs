@@ -46,8 +46,9 @@ impl Flow {
             speed * at.z.cos() * DVec3::new(at.x.sin() * at.y.cos(), -at.x.cos() * at.y.sin(), 0.0)
         });
         let viscosity = speed / (k * self.reynolds);
-        let mut scene = air::scene(&format!("viscosity = {{ hair = 0.0, kinematic_air = {viscosity} }}"))?;
+        let mut scene = air::scene();
         scene.time.substeps = substeps;
+        (scene.viscosity.hair, scene.viscosity.kinematic_air) = (Some(0.0), Some(viscosity));
         let mut simulation = Simulation::with_state(gpu, &scene, cloud.initial())?;
         let mut done = 0;
         let mut at = |&(time, energy): &(f64, f64)| {

@@ -7,11 +7,12 @@
 
 use glam::DVec3;
 use windswept_engine::{Gpu, Simulation};
-use windswept_scene::{AirParticles, Filter, InitialState, Scene};
+use windswept_scene::{AirParticles, End, Filter, Hair, InitialState, Model, Roots, Scene};
 
 use crate::{
     Error, Row,
-    air::{Cloud, MASS, RADIUS, REST_DENSITY, SIMPLE, STEP, farthest, mean, spacing, vectors},
+    air::{Cloud, REST_DENSITY, SIMPLE, STEP, farthest, mean, spacing, vectors},
+    scenes::{afloat, blowing},
 };
 
 const LIMIT: &str = "the limit of short steps; without viscosity.smagorinsky the band has 0.62 and 0.78 of it";
@@ -62,25 +63,14 @@ fn start(step: f64, wind: f64, weight: f64, seed: u64) -> Result<(Scene, Initial
     let middle = DVec3::new(PLACE, 0.5, 0.0) * cloud.size;
     let across = [-1, 0, 1].map(|i| f64::from(i) * APART * d);
     let strand = |x: f64, y: f64| {
-        format!(
-            "[[hair]]\nname = \"{x} {y}\"\nstrands = 1\npoints = 3\nlength = {}\nroot = \"free\"\n\
-             roots = {{ center = [{}, {}, {d}], radius = 1e-9, direction = [0, 0, 1] }}\n",
-            2.0 * APART * d,
-            middle.x + x,
-            middle.y + y
-        )
+        let roots = Roots::disc([middle.x + x, middle.y + y, d], 1e-9).toward([0.0, 0.0, 1.0]);
+        Hair { root: End::Free, ..Hair::drawn(1, 3, 2.0 * APART * d, roots).named(format!("{x} {y}")) }
     };
-    let strands: String = across.iter().flat_map(|x| across.map(|y| strand(*x, y))).collect();
-    let scene = Scene::parse(&format!(
-        "gravity = [0, 0, 0]\ninteraction = {{ model = \"particles\" }}\n\
-         fluid = {{ solver = \"divergence\" }}\n\
-         time = {{ step = {step}, duration = 1.0 }}\nrods = {{ sleep = false }}\n\
-         viscosity = {{ hair = {c}, air = {c} }}\n\
-         [air]\nbox = {{ min = [0, 0, 0], max = {:?} }}\nwind = [{wind}, 0, 0]\nramp = 0.0\n\
-         particle_mass = {MASS}\nkernel_radius = {RADIUS}\n{strands}",
-        cloud.size.to_array(),
-        c = 0.014 * step / STEP,
-    ))?;
+    let strands: Vec<Hair> = across.iter().flat_map(|x| across.map(|y| strand(*x, y))).collect();
+    let mut scene = afloat(step, blowing(cloud.size.to_array(), [wind, 0.0, 0.0]), strands);
+    scene.interaction.model = Some(Model::Particles);
+    let viscosity = Some(0.014 * step / STEP);
+    (scene.viscosity.hair, scene.viscosity.air) = (viscosity, viscosity);
     let mut hair = InitialState::new(&scene)?.hair;
     let mut air = cloud.initial().air;
     let off = |x: DVec3, point: DVec3| {

@@ -8,7 +8,7 @@ use windswept_engine::{
     internals::{Engine, Plan, Setup, step},
 };
 use windswept_reference::{sph_kernels::spiky_slope, turbulence::peak_gain};
-use windswept_scene::{AsChecked, DirectFilter, Filter, InitialState};
+use windswept_scene::{AsChecked, Band, DirectFilter, Filter, InitialState, Method};
 
 use crate::{
     Error, Row,
@@ -73,10 +73,9 @@ pub(crate) fn translation(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let omega = vectors(&cloud.particles().vorticity(gpu)?);
     let smoothed = cloud.particles().viscosity(gpu, 1.4)?;
     let changes: Vec<_> = vectors(&smoothed).into_iter().map(|v| v - velocity).collect();
-    let mut windy = air::scene("turbulence.bands = [{ scale = 0.006, strength = 3.0 }]")?;
-    if let Some(air) = &mut windy.air {
-        air.wind = Some(velocity.to_array());
-    }
+    let mut windy = air::scene();
+    windy.air = windy.air.map(|air| air.wind(velocity.to_array()));
+    windy.turbulence.bands = vec![Band { scale: 0.006, strength: 3.0, intensity: Band::INTENSITY }];
     windy.turbulence.speed = Some(velocity.length());
     let band = band_of_step(gpu, &windy, &cloud.initial())?;
     let largest = |values: &[DVec3]| farthest(values.iter().map(|v| v.length()), 0.0);
@@ -113,8 +112,10 @@ pub(crate) fn leak(gpu: &Gpu) -> Result<Vec<Row>, Error> {
         rows.push(Row::new(format!("uniform flow through a cut at {cutoff} s"), expected, leak, 7e-4, LEAK));
     }
     // û as printed has no 1/peak and no V, in mm: mm^(3/2) mm/s.
-    let keys = format!("method = \"published\"\nturbulence.bands = [{{ scale = {LEAK_SCALE}, strength = 1.0 }}]\n");
-    let band = band_of_step(gpu, &air::scene(&keys)?, &cloud.initial())?;
+    let mut printed = air::scene();
+    printed.method = Method::Published;
+    printed.turbulence.bands = vec![Band { scale: LEAK_SCALE, strength: 1.0, intensity: Band::INTENSITY }];
+    let band = band_of_step(gpu, &printed, &cloud.initial())?;
     let per_speed = 1e3 * peak_gain(1e3 * LEAK_SCALE) / (1e9 * VOLUME);
     let leak = mean(band.iter().map(|u| u.x)) / per_speed;
     rows.push(Row::new("uniform flow through the cut of method published", 0.325_27, leak, 7e-4, LEAK));

@@ -5,12 +5,13 @@ use std::f64::consts::{PI, TAU};
 use glam::DVec3;
 use windswept_engine::Gpu;
 use windswept_reference::{sph_kernels::poly6, tables};
-use windswept_scene::{End, Fibre, Groom, InitialState, Scene};
+use windswept_scene::{Air, Bounds, End, Fibre, Groom, InitialState};
 
 use crate::{
     Error, Row,
     air::{self, Cloud, RADIUS, SIMPLE, STEP, ran, spacing, vectors},
     pressure::SLOW,
+    scenes::afloat,
     turbulence::projection,
 };
 
@@ -83,10 +84,10 @@ fn through_strands(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     };
     // The air is beside the strands, farther than the kernel radius.
     let after = |viscosity: f64| -> Result<Vec<DVec3>, Error> {
-        let scene = Scene::parse(&format!(
-            "gravity = [0, 0, 0]\ntime = {{ step = {STEP}, duration = 1 }}\nviscosity = {{ hair = {viscosity}, air = 0 }}\n\
-             rods.sleep = false\nair = {{ box = {{ min = [0.1, 0, 0], max = [0.14, 0.04, 0.04] }}, wind = [0, 0, 0], ramp = 0 }}\n"
-        ))?;
+        let bounds = Some(Bounds { min: [0.1, 0.0, 0.0], max: [0.14, 0.04, 0.04] });
+        let air = Air { bounds, ramp: 0.0, ..Air::default().wind([0.0; 3]) };
+        let mut scene = afloat(STEP, air, []);
+        (scene.viscosity.hair, scene.viscosity.air) = (Some(viscosity), Some(0.0));
         let mut initial = InitialState::with_groom(&scene, &groom)?;
         let hair = &mut initial.hair;
         hair.velocities = hair.positions.iter().map(|x| WAVE * DVec3::X * (k * x.z).sin()).collect();
@@ -145,7 +146,7 @@ fn eddies(gpu: &Gpu) -> Result<Row, Error> {
     let k = TAU / lattice.size.y;
     let cloud = lattice.moving(|x| DVec3::X * WAVE * (k * x.y).sin());
     let left = |constant: f64| -> Result<f64, Error> {
-        let mut scene = air::scene("fluid.solver = \"divergence\"")?;
+        let mut scene = air::scene();
         scene.viscosity.smagorinsky = Some(constant);
         let simulation = ran(gpu, &scene, cloud.initial(), 1)?;
         Ok(cloud.of_frame(&simulation.frame()?.air).energy())
@@ -160,7 +161,7 @@ fn eddies(gpu: &Gpu) -> Result<Row, Error> {
 
 /// Viscosity ν from the decay of the kinetic energy \[m²/s\].
 fn effective_viscosity(gpu: &Gpu, c: f64) -> Result<f64, Error> {
-    let mut scene = air::scene("")?;
+    let mut scene = air::scene();
     scene.viscosity.air = Some(c);
     SLOW.viscosity(gpu, &scene, MEASURED)
 }

@@ -55,17 +55,17 @@ const RING: f64 = 2.5;
 /// this strength and step, gives the band that it strengthens more energy than the smaller and the larger one.
 pub(crate) fn lamb_oseen(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     let start = vortex();
-    let scene = |strength: f64| -> Result<Scene, Error> {
-        let mut scene = air::scene("")?;
+    let scene = |strength: f64| {
+        let mut scene = air::scene();
         scene.turbulence.bands = vec![Band { scale: SCALE * spacing(), strength, intensity: 1.0 }];
         scene.turbulence.speed = Some(SPEED);
-        Ok(scene)
+        scene
     };
-    let alone = air::run(gpu, &scene(0.0)?, &start, STEPS)?;
-    let confined = air::run(gpu, &scene(STRENGTH)?, &start, STEPS)?;
+    let alone = air::run(gpu, &scene(0.0), &start, STEPS)?;
+    let confined = air::run(gpu, &scene(STRENGTH), &start, STEPS)?;
     let gain = |scale: f64| Ok::<_, Error>(band_energy(gpu, &confined, scale)? - band_energy(gpu, &alone, scale)?);
     let own = gain(SCALE)?;
-    let kept = circulation_kept(gpu, &air::scene("")?)?;
+    let kept = circulation_kept(gpu, &air::scene())?;
     let mut rows = vec![
         Row::new("vortex: circulation kept, 2.5 core radii, 62 ms", 1.0, kept, 0.02, KEPT),
         Row::new("vortex: energy that confinement gives its band", 1.16e-3, own, 4e-4, FED).in_unit("m²/s²"),

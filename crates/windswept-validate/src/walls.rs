@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use glam::DVec3;
 use windswept_engine::{Frame, Gpu, Simulation, internals::step};
-use windswept_scene::{Air, FluidSolver, Scene};
+use windswept_scene::{Air, Body, End, FluidSolver, Hair, Keyframe, Roots, Scene, Time};
 use windswept_shaders::{common::pressure::Stress, fluid};
 
 use crate::{
@@ -14,6 +14,7 @@ use crate::{
     coupled::lasting,
     momentum,
     runner::Runner,
+    scenes::blowing,
 };
 
 const FULL: &str = "density is uniform; within 3 spacings of the surface, before, behind and beside; measured up to 0.06 off where air goes a \
@@ -105,14 +106,6 @@ impl Tunnel {
         Self { solver, coarseness, substeps, ..THIN }
     }
 
-    /// The scene.
-    ///
-    /// # Errors
-    /// [`Error::Scene`] if it cannot be.
-    pub fn scene(&self) -> Result<Scene, Error> {
-        self.with("")
-    }
-
     /// rms of θ − 1 within a kernel radius of the body, and the density behind it off the mean, from one time to
     /// another \[s\].
     ///
@@ -123,39 +116,36 @@ impl Tunnel {
         Ok([beside.error, (beside.sectors[0] - 1.0).abs()])
     }
 
-    /// The scene with more tables.
-    fn with(&self, tables: &str) -> Result<Scene, Error> {
-        let [x, y, z] = self.sides.map(|side| side * spacing());
-        let center = [0, 1, 2].map(|axis| self.center[axis] * self.sides[axis] * spacing());
-        let [cx, cy, cz] = center;
+    /// The scene.
+    #[must_use]
+    pub fn scene(&self) -> Scene {
+        let size = self.sides.map(|side| side * spacing());
+        let [x, y, z] = [0, 1, 2].map(|axis| self.center[axis] * self.sides[axis] * spacing());
         let radius = self.radius * spacing();
-        let shape = if self.sphere {
-            format!("center = [{cx}, {cy}, {cz}]")
-        } else {
-            format!("shape = \"capsule\"\nstart = [{cx}, {cy}, -0.05]\nend = [{cx}, {cy}, {}]", z + 0.05)
+        let mut body = match self.sphere {
+            true => Body::sphere([x, y, z], radius),
+            false => Body::capsule([x, y, -0.05], [x, y, size[2] + 0.05], radius),
         };
-        let motion = self.motion.map_or_else(String::new, |[start, speed]| {
-            let end = start + 1.0;
-            format!("motion = [{{ time = {start} }}, {{ time = {end}, translation = [{speed}, 0, 0] }}]")
+        if let Some([start, speed]) = self.motion {
+            let end = Keyframe { translation: [speed, 0.0, 0.0], ..Keyframe::new(start + 1.0) };
+            body.motion = [Keyframe::new(start), end].into();
+        }
+        let mut scene = Scene::new(Time { substeps: self.substeps, ..Time::new(STEP, 10.0) });
+        scene.gravity = [0.0; 3];
+        scene.fluid.solver = Some(self.solver);
+        scene.air = Some(Air {
+            particle_mass: Air::PARTICLE_MASS * self.coarseness.powi(3),
+            kernel_radius: Air::KERNEL_RADIUS * self.coarseness,
+            skin_friction: self.friction,
+            fringe: (self.wind == 0.0).then_some(0.0),
+            ..blowing(size, [self.wind, 0.0, 0.0])
         });
-        let fringe = if self.wind == 0.0 { "fringe = 0.0" } else { "" };
-        Ok(Scene::parse(&format!(
-            "gravity = [0, 0, 0]\ntime = {{ step = {STEP}, substeps = {}, duration = 10.0 }}\ninteraction.model = \"two-way\"\n\
-             fluid.solver = \"{}\"\n[air]\nparticle_mass = {}\nkernel_radius = {}\n\
-             box = {{ min = [0, 0, 0], max = [{x}, {y}, {z}] }}\n\
-             wind = [{}, 0, 0]\nramp = 0.0\nskin_friction = {}\n{fringe}\n\
-             [[body]]\nname = \"body\"\nradius = {radius}\n{shape}\n{motion}\n{tables}",
-            self.substeps,
-            self.solver.word(),
-            Air::PARTICLE_MASS * self.coarseness.powi(3),
-            Air::KERNEL_RADIUS * self.coarseness,
-            self.wind,
-            self.friction
-        ))?)
+        scene.bodies = vec![body];
+        scene
     }
 
     fn simulation(&self, gpu: &Gpu) -> Result<Simulation, Error> {
-        Ok(Simulation::new(gpu, &self.scene()?)?)
+        Ok(Simulation::new(gpu, &self.scene())?)
     }
 
     /// Volume of the body's inside in the box \[m³\], of a body that is larger by `more` \[m\].
@@ -387,10 +377,9 @@ fn balanced(gpu: &Gpu) -> Result<Row, Error> {
     let mut simulation = tunnel.simulation(gpu)?;
     // Positions as a flow leaves them.
     simulation.step(30)?;
-    let scene = tunnel.scene()?;
     let mut initial = simulation.initial().clone();
     initial.air.positions = vectors(&simulation.frame()?.air.positions);
-    let mut runner = Runner::new(gpu, &scene, &initial)?;
+    let mut runner = Runner::new(gpu, &tunnel.scene(), &initial)?;
     runner.run(|r, plan| {
         step::forcing::record_bodies(r, plan);
         step::forcing::record_walls(r, plan);
@@ -428,7 +417,7 @@ fn balanced(gpu: &Gpu) -> Result<Row, Error> {
 
 /// Rows of still air about a sphere and a mesh.
 fn at_rest(gpu: &Gpu) -> Result<Vec<Row>, Error> {
-    let round = Tunnel { sides: [16.0; 3], radius: 3.0, ..STOOD }.scene()?;
+    let round = Tunnel { sides: [16.0; 3], radius: 3.0, ..STOOD }.scene();
     let meshed = meshed(&round, [32, 64], 1e-3)?;
     let each = [("sphere", round), ("mesh", meshed)].map(|(name, scene)| {
         let mut simulation = Simulation::new(gpu, &scene)?;
@@ -477,9 +466,8 @@ fn moving(gpu: &Gpu, speed: f64, substeps: u32) -> Result<Vec<Row>, Error> {
 /// Row of loose hair in air that a sphere passes: the momentum of hair, air and body.
 fn exchanged(gpu: &Gpu) -> Result<Row, Error> {
     let tunnel = Tunnel { center: [0.3, 0.5, 0.5], motion: Some([STEP, 2.0]), friction: 0.1, ..STOOD };
-    let scene = tunnel.with(
-        "[hair]\nstrands = 6\npoints = 8\nlength = 0.03\nroot = \"free\"\nroots = { center = [0.07, 0.114, 0.05], radius = 0.012 }\n",
-    )?;
+    let hair = Hair::drawn(6, 8, 0.03, Roots::disc([0.07, 0.114, 0.05], 0.012));
+    let scene = Scene { hair: vec![Hair { root: End::Free, ..hair }], ..tunnel.scene() };
     let mut simulation = Simulation::new(gpu, &scene)?;
     let (change, _) = momentum::exchanged(&mut simulation, 16)?;
     let impulse = DVec3::from_array(simulation.body_impulses()?[0]);

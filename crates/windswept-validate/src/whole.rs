@@ -3,13 +3,16 @@
 use glam::DVec3;
 use windswept_engine::Gpu;
 use windswept_reference::{Parameters, State, fluid, step::step as reference_step};
-use windswept_scene::{InitialState, Scene};
+use windswept_scene::{
+    Air, Band, Body, Fibre, Gust, Hair, InitialState, Keyframe, Method, Rods, Roots, Scene, Shape, Time,
+};
 
 use crate::{
     Error, Row,
-    air::{ran, vectors},
+    air::{STEP, ran, vectors},
     contact::meshed,
     reference::error,
+    scenes::blowing,
 };
 
 const ACCURATE: &str = "f64 reference: direct, BDF2, grid filter, band law, a moving body, a gust, roots that move; largest \
@@ -22,59 +25,42 @@ const PUBLISHED: &str = "f64 reference: Gauss-Seidel, Euler, direct filter, publ
     measured 9.9e-8, 1.8e-5, 3.1e-6; margin 4";
 
 /// Hair in wind with a band of eddies.
-const HAIR_IN_WIND: &str = "
-[[hair]]
-name = \"curls\"
-strands = 6
-points = 12
-length = 0.05
-fibres_per_strand = 100
-curl = { radius = 3e-3, pitch = 0.02 }
-roots = { center = [0.03, 0.03, 0.03], radius = 8e-3, direction = [1, 0, 0] }
-[time]
-step = 1.38e-3
-duration = 1.0
-[air]
-box = { min = [0, 0, 0], max = [0.08, 0.06, 0.06] }
-wind = [3, 0, 0]
-ramp = 0.0
-fringe = 0.01
-[turbulence]
-bands = [{ scale = 0.006, strength = 10.0 }]
-";
-/// Keys of the accurate method, and most of what may drive hair and air.
-const DRIVEN: &str = "
-[rods]
-sleep = false
-[[air.gust]]
-time = 0.0
-velocity = [0, 0, 0]
-[[air.gust]]
-time = 0.01
-velocity = [0, 1, -1]
-[[hair.motion]]
-time = 0.0
-[[hair.motion]]
-time = 0.01
-translation = [0, 2e-3, 0]
-rotation = [0.2, 0, 0.1]
-[[body]]
-radius = 0.01
-center = [0.06, 0.052, 0.03]
-motion = [{ time = 0.0 }, { time = 0.01, translation = [-5e-3, 0, 0] }]
-";
+fn hair_in_wind() -> Scene {
+    let hair = Hair::drawn(6, 12, 0.05, Roots::disc([0.03; 3], 8e-3).toward([1.0, 0.0, 0.0])).curled(3e-3, 0.02);
+    let fibre = Fibre { fibres_per_strand: 100.0, ..Fibre::default() };
+    let mut scene = Scene::new(Time::new(STEP, 1.0));
+    scene.hair = vec![Hair { fibre, ..hair }];
+    scene.air = Some(Air { fringe: Some(0.01), ..blowing([0.08, 0.06, 0.06], [3.0, 0.0, 0.0]) });
+    scene.turbulence.bands = vec![Band { scale: 0.006, strength: 10.0, intensity: Band::INTENSITY }];
+    scene.rods.sleep = false;
+    scene
+}
+
+/// The accurate method, and most of what may drive hair and air: a gust, roots and a ball that move.
+fn driven() -> Scene {
+    let mut scene = hair_in_wind();
+    let gust = [(0.0, [0.0; 3]), (0.01, [0.0, 1.0, -1.0])].map(|(time, velocity)| Gust { time, velocity });
+    scene.air = scene.air.map(|air| Air { gust: gust.into(), ..air });
+    let turned = Keyframe { time: 0.01, translation: [0.0, 2e-3, 0.0], rotation: [0.2, 0.0, 0.1] };
+    scene.hair[0].motion = [Keyframe::new(0.0), turned].into();
+    let away = Keyframe { translation: [-5e-3, 0.0, 0.0], ..Keyframe::new(0.01) };
+    let ball = Body::sphere([0.06, 0.052, 0.03], 0.01);
+    scene.bodies = vec![Body { motion: [Keyframe::new(0.0), away].into(), ..ball }];
+    scene
+}
 
 /// Rows of steps with the accurate defaults, and with the method as published; no strand sleeps or is left unsolved.
 pub(crate) fn steps(gpu: &Gpu) -> Result<Vec<Row>, Error> {
-    let published = format!("method = \"published\"\n{HAIR_IN_WIND}[rods]\niterations = 20\nsleep = false\n");
-    let accurate = format!("{HAIR_IN_WIND}{DRIVEN}");
-    let pushed = accurate.replace("center = [0.06, 0.052, 0.03]", "center = [0.06, 0.025, 0.03]");
-    let pushed = Scene::parse(&pushed)?;
+    let accurate = driven();
+    let mut pushed = accurate.clone();
+    pushed.bodies[0].shape = Shape::sphere([0.06, 0.025, 0.03], 0.01);
     let meshed = meshed(&pushed, [32, 64], 5e-4)?;
-    let mut rows = measure(gpu, "accurate", &Scene::parse(&accurate)?, [4.5e-7, 2.6e-5, 5e-5], ACCURATE)?;
+    let rods = Rods { iterations: 20, sleep: false, ..Rods::default() };
+    let published = Scene { method: Method::Published, rods, ..hair_in_wind() };
+    let mut rows = measure(gpu, "accurate", &accurate, [4.5e-7, 2.6e-5, 5e-5], ACCURATE)?;
     rows.extend(measure(gpu, "a body in the hair", &pushed, [1.5e-5, 6.6e-4, 1.1e-4], PUSHED)?);
     rows.extend(measure(gpu, "a mesh in the hair", &meshed, [4e-6, 7e-5, 2e-3], MESH)?);
-    rows.extend(measure(gpu, "published", &Scene::parse(&published)?, [4e-7, 7e-5, 1.3e-5], PUBLISHED)?);
+    rows.extend(measure(gpu, "published", &published, [4e-7, 7e-5, 1.3e-5], PUBLISHED)?);
     Ok(rows)
 }
 

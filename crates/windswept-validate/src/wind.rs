@@ -4,13 +4,14 @@ use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 use glam::{DQuat, DVec3};
 use windswept_engine::{Gpu, internals::step};
-use windswept_scene::{Air, InitialState, Scene};
+use windswept_scene::{Air, End, Fibre, Gust, Hair, InitialState, Keyframe, Roots, Scene};
 
 use crate::{
     Error, Row,
     air::{self, Cloud, RADIUS, REST_DENSITY, SIMPLE, STEP, farthest, ran, vectors},
     rods::GRAVITY,
     runner::Runner,
+    scenes::{alone, in_wind},
 };
 
 const GUST: &str = "U(t): ramp and keyframes, linear; mean over the air; measured 3.0e-8; margin 4";
@@ -37,17 +38,12 @@ pub(crate) fn drive(gpu: &Gpu) -> Result<Vec<Row>, Error> {
 fn gust(gpu: &Gpu) -> Result<Row, Error> {
     let ramp = 0.02;
     let gust = [(0.004, DVec3::new(0.0, 1.0, -1.0)), (0.034, DVec3::new(-1.0, 3.0, 0.0))];
-    let mut text = format!(
-        "[time]\nstep = {STEP}\nduration = 1.0\n\
-         [air]\nbox = {{ min = [0, 0, 0], max = [1, 1, 1] }}\nwind = {:?}\nramp = {ramp}\n",
-        WIND.to_array()
-    );
-    for (time, velocity) in gust {
-        text += &format!("[[air.gust]]\ntime = {time}\nvelocity = {:?}\n", velocity.to_array());
-    }
+    let keyframes = gust.map(|(time, velocity)| Gust { time, velocity: velocity.to_array() });
+    let mut scene = air::scene();
+    scene.air = scene.air.map(|air| Air { ramp, gust: keyframes.into(), ..air.wind(WIND.to_array()) });
     let cloud = Cloud::lattice([10, 6, 6], SIMPLE).moving(|_| gust[0].1);
     let steps = 20;
-    let after = air::run(gpu, &Scene::parse(&text)?, &cloud, steps)?;
+    let after = air::run(gpu, &scene, &cloud, steps)?;
     let mean = after.velocities.iter().map(|v| DVec3::from_array(*v)).sum::<DVec3>() / after.velocities.len() as f64;
     let t = steps as f64 * STEP;
     let part = (t - gust[0].0) / (gust[1].0 - gust[0].0);
@@ -57,11 +53,9 @@ fn gust(gpu: &Gpu) -> Result<Row, Error> {
 }
 
 fn fringe(gpu: &Gpu) -> Result<Row, Error> {
-    let mut scene = air::scene("")?;
+    let mut scene = air::scene();
     let thickness = 2.0 * RADIUS;
-    if let Some(air) = &mut scene.air {
-        (air.wind, air.fringe) = (Some(WIND.to_array()), Some(thickness));
-    }
+    scene.air = scene.air.map(|air| Air { fringe: Some(thickness), ..air.wind(WIND.to_array()) });
     let cloud = Cloud::random(10, 2).moving(|x| DVec3::new(1.5 + 20.0 * x.x, -30.0 * x.y, 0.1));
     let mut runner = Runner::new(gpu, &scene, &cloud.initial())?;
     runner.run(step::forcing::record)?;
@@ -77,35 +71,18 @@ fn fringe(gpu: &Gpu) -> Result<Row, Error> {
     Ok(Row::new("fringe: what it adds in a step, of the wind", 0.0, farthest(off, 0.0), 1e-6, FRINGE))
 }
 
-const MOVED: &str = "
-interaction = { model = \"none\" }
-[time]
-step = 1.38e-3
-duration = 1.0
-[rods]
-sleep = false
-[[hair]]
-strands = 8
-points = 6
-length = 0.05
-roots = { center = [0.3, 0.2, 0.1], radius = 0.03, direction = [1, 0, 0] }
-[[hair.motion]]
-time = 0.0
-[[hair.motion]]
-time = 0.02
-translation = [0.01, -0.02, 0.005]
-rotation = [0.3, 0.4, -0.2]
-";
-
 fn keyframes(gpu: &Gpu) -> Result<Vec<Row>, Error> {
-    let scene = Scene::parse(MOVED)?;
+    let center = DVec3::new(0.3, 0.2, 0.1);
+    let end = Keyframe { time: 0.02, translation: [0.01, -0.02, 0.005], rotation: [0.3, 0.4, -0.2] };
+    let hair = Hair::drawn(8, 6, 0.05, Roots::disc(center.to_array(), 0.03).toward([1.0, 0.0, 0.0]));
+    let mut scene = alone(STEP, [Hair { motion: [Keyframe::new(0.0), end].into(), ..hair }]);
+    scene.rods.sleep = false;
     let initial = InitialState::new(&scene)?;
     let steps = 10;
     let simulation = ran(gpu, &scene, initial, steps)?;
-    let part = steps as f64 * STEP / 0.02;
-    let turn = DQuat::from_scaled_axis(part * DVec3::new(0.3, 0.4, -0.2));
-    let center = DVec3::new(0.3, 0.2, 0.1);
-    let place = |x: DVec3| center + turn * (x - center) + part * DVec3::new(0.01, -0.02, 0.005);
+    let part = steps as f64 * STEP / end.time;
+    let turn = DQuat::from_scaled_axis(part * DVec3::from_array(end.rotation));
+    let place = |x: DVec3| center + turn * (x - center) + part * DVec3::from_array(end.translation);
     let frame = simulation.frame()?;
     let (ends, hair) = (vectors(&frame.hair.positions), &simulation.initial().hair);
     let starts: Vec<usize> = (0..hair.len()).map(|s| hair.points(s).start).collect();
@@ -137,30 +114,21 @@ pub(crate) fn across(u: f64) -> f64 {
 /// Mass of a fibre per length \[kg/m\].
 pub(crate) const FIBRE_MASS: f64 = FIBRE_DENSITY * PI * FIBRE * FIBRE;
 
-/// A loose straight strand at the origin in a wind, drag model, with these keys as well, and how fast it is after so
-/// many steps.
-pub(crate) fn blown(
-    gpu: &Gpu,
-    wind: DVec3,
-    direction: DVec3,
-    [gravity, lift]: [f64; 2],
-    keys: &str,
-    steps: u64,
-) -> Result<Vec<DVec3>, Error> {
-    let text = format!(
-        "interaction = {{ model = \"drag\", lift = {lift} }}\ngravity = [0, {}, 0]\n\
-         time = {{ step = {STEP}, duration = 1.0 }}\nrods.sleep = false\n\
-         air = {{ wind = {:?}, ramp = 0.0, rest_density = {REST_DENSITY}, kinematic_viscosity = {} }}\n\
-         [hair]\nstrands = 1\npoints = 6\nlength = 0.05\nradius = {FIBRE}\ndensity = {FIBRE_DENSITY}\nroot = \"free\"\n\
-         roots = {{ center = [0, 0, 0], radius = 1e-3, direction = {:?} }}\n{keys}",
-        0.0 - gravity,
-        wind.to_array(),
-        Air::KINEMATIC_VISCOSITY,
-        direction.to_array()
-    );
-    let scene = Scene::parse(&text)?;
-    let initial = InitialState::new(&scene)?;
-    let simulation = ran(gpu, &scene, initial, steps)?;
+/// A loose straight strand at the origin in a wind, drag model.
+pub(crate) fn loose(wind: DVec3, direction: DVec3, [gravity, lift]: [f64; 2]) -> Scene {
+    let air = Air { ramp: 0.0, ..Air::default().wind(wind.to_array()) };
+    let hair = Hair::drawn(1, 6, 0.05, Roots::disc([0.0; 3], 1e-3).toward(direction.to_array()));
+    let fibre = Fibre { radius: FIBRE, density: FIBRE_DENSITY, ..Fibre::default() };
+    let mut scene = in_wind(STEP, air, [Hair { fibre, root: End::Free, ..hair }]);
+    scene.gravity = [0.0, -gravity, 0.0];
+    scene.interaction.lift = lift;
+    scene.rods.sleep = false;
+    scene
+}
+
+/// How fast strands are after so many steps.
+pub(crate) fn blown(gpu: &Gpu, scene: &Scene, steps: u64) -> Result<Vec<DVec3>, Error> {
+    let simulation = ran(gpu, scene, InitialState::new(scene)?, steps)?;
     Ok(vectors(&simulation.frame()?.hair.velocities))
 }
 
@@ -172,7 +140,7 @@ pub(crate) fn drag(gpu: &Gpu) -> Result<Vec<Row>, Error> {
     // The resistance to the wind along the strand, per length.
     let along = |u: f64| pressure * 5.4 * (Air::KINEMATIC_VISCOSITY * u / width).sqrt();
 
-    let falls = blown(gpu, WIND, DVec3::Z, [GRAVITY, 0.0], "", 600)?;
+    let falls = blown(gpu, &loose(WIND, DVec3::Z, [GRAVITY, 0.0]), 600)?;
     let excess = |u: f64| across(u) * u - FIBRE_MASS * GRAVITY;
     let (mut low, mut high) = (0.0, 10.0);
     for _ in 0..60 {
@@ -199,7 +167,7 @@ pub(crate) fn drag(gpu: &Gpu) -> Result<Vec<Row>, Error> {
 
     let tangent = DVec3::new(FRAC_1_SQRT_2, FRAC_1_SQRT_2, 0.0);
     let normal = DVec3::new(FRAC_1_SQRT_2, -FRAC_1_SQRT_2, 0.0);
-    let given = blown(gpu, WIND, tangent, [0.0, LIFT], "", 1)?;
+    let given = blown(gpu, &loose(WIND, tangent, [0.0, LIFT]), 1)?;
     let u = WIND.dot(normal);
     let (share_across, share_along) = (STEP * across(u) / FIBRE_MASS, STEP * along(u) / FIBRE_MASS);
     let lift = STEP * pressure * LIFT * u / FIBRE_MASS * tangent.cross(WIND).length() / (1.0 + share_across);

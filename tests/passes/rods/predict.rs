@@ -9,7 +9,7 @@ use windswept_reference::{
     State as Reference, forcing, rods,
     step::{Scratch, unobserved},
 };
-use windswept_scene::{End, Strands};
+use windswept_scene::{End, Rods, Strands};
 use windswept_shaders::common::{
     integration::{BDF2, EULER, HOLD, KINEMATIC},
     rod::{PointHistory, SegmentHistory},
@@ -19,7 +19,7 @@ use windswept_shaders::common::{
 use crate::{
     fixture::{Fixture, condition, quaternion, xyz},
     forcing::drives_apart,
-    hair::{any, hold, set_roots, strands},
+    hair::{any, awake, euler, gauss_seidel, hold, newton, set_roots, strands},
     support,
     walk::largest,
 };
@@ -195,8 +195,8 @@ fn draw(hair: &mut Strands, s: usize, rng: &mut Pcg64, slower: f64) {
 }
 
 /// Strands with the cases in turn, each with a history, and forces, of its own; committed on both sides.
-fn with_cases(n: usize, keys: &str, step: f64) -> (Fixture, Reference, Vec<DVec3>) {
-    let (mut scene, mut initial) = strands(n, keys);
+fn with_cases(n: usize, solved: &Rods, step: f64) -> (Fixture, Reference, Vec<DVec3>) {
+    let (mut scene, mut initial) = strands(n, solved);
     scene.time.step = step;
     let scene = scene.check().unwrap();
     let mut rng = Pcg64::seed_from_u64(n as u64 + 40);
@@ -293,20 +293,20 @@ fn apart(fixture: &Fixture, s: &Reference, w: &Scratch) -> Vec<[f64; 2]> {
 #[test]
 fn strands_start_and_end_as_in_the_reference() {
     for n in support::SIZES {
-        for (keys, step) in [
-            ("", 1.38e-3),
-            ("newton = 1", 1.38e-3),
-            ("newton = 2", 1.66e-2),
-            ("sleep = false", 1.38e-3),
-            ("integrator = \"euler\"", 1.66e-2),
-            ("solver = \"gauss-seidel\"", 1.38e-3),
+        for (solved, step) in [
+            (Rods::default(), 1.38e-3),
+            (newton(1), 1.38e-3),
+            (newton(2), 1.66e-2),
+            (awake(), 1.38e-3),
+            (euler(), 1.66e-2),
+            (gauss_seidel(), 1.38e-3),
         ] {
-            let (fixture, mut s, push) = with_cases(n, keys, step);
+            let (fixture, mut s, push) = with_cases(n, &solved, step);
             let p = &fixture.parameters;
             let same_conditions = |s: &Reference| {
                 for (strand, found) in fixture.found().into_iter().enumerate() {
                     let what = case_of(strand).what;
-                    assert_eq!(found, condition(s, strand), "{n}, {keys}: strand {strand}, {what}");
+                    assert_eq!(found, condition(s, strand), "{n}, {solved:?}: strand {strand}, {what}");
                 }
             };
             fixture.run_only(&["forcing/reset", "forcing/roots"], step::forcing::record);
@@ -320,10 +320,10 @@ fn strands_start_and_end_as_in_the_reference() {
             w.correction = push;
             rods::begin(&s, &mut w, p);
             rods::predict_all(&mut s, &mut w, p);
-            assert_eq!(drives_apart(&fixture, &w).2, 0, "{n}, {keys}: strands go another way");
+            assert_eq!(drives_apart(&fixture, &w).2, 0, "{n}, {solved:?}: strands go another way");
             same_conditions(&s);
             for strand in (0..n).filter(|strand| case_of(*strand).ends.0 != End::Free && p.sleep) {
-                assert_eq!(w.motions[strand].state, case_of(strand).goes, "{n}, {keys}: {}", case_of(strand).what);
+                assert_eq!(w.motions[strand].state, case_of(strand).goes, "{n}, {solved:?}: {}", case_of(strand).what);
             }
             let starts = apart(&fixture, &s, &w);
 
@@ -342,7 +342,7 @@ fn strands_start_and_end_as_in_the_reference() {
             // A strand that is reset puts its tip where it is held to rounding.
             let moving: Vec<_> =
                 tips.filter(|tip| speeds[*tip].length() > 5e-5 || wanted(*tip).length() > 5e-5).collect();
-            assert_eq!(moving, [0; 0], "{n}, {keys}: tips that are held have velocities");
+            assert_eq!(moving, [0; 0], "{n}, {solved:?}: tips that are held have velocities");
 
             // Rounding decides whether a strand takes a Newton step more, and where one that starts like this goes in
             // the end.
@@ -353,15 +353,15 @@ fn strands_start_and_end_as_in_the_reference() {
                 [largest(gaps[..n - astray].iter().copied()), largest(gaps.into_iter())]
             };
             let off = [of(&starts, 0)[1], of(&starts, 1)[1], of(&ends, 0)[0], of(&ends, 1)[0]];
-            println!("{n} strands, {keys:?}, {step} s: {off:?}");
+            println!("{n} strands, {solved:?}, {step} s: {off:?}");
             // Measured 3.1e-7 m, of 3 m, and 9.7e-7 at the start, 3.2e-7 m and 3.9e-5 in the end; margin 4.
             let within = off.iter().zip([1.2e-6, 4e-6, 1.3e-6, 1.6e-4]).all(|(off, bound)| *off < bound);
-            assert!(within, "{n}, {keys}, {step} s: {off:?}");
+            assert!(within, "{n}, {solved:?}, {step} s: {off:?}");
             let counting = fixture.engine.status().unwrap().counting;
             let counted = [EULER_STEP, SLEEPING_STEP, TELEPORT, UNSOLVED_STEP].map(|of| counting[of as usize] as usize);
             let wanted = [s.euler_steps, s.sleeping_steps, s.teleports, s.unsolved_steps];
             let same = counted[..3] == wanted[..3] && counted[3].abs_diff(wanted[3]) <= astray;
-            assert!(same, "{n}, {keys}, {step} s: {counted:?} instead of {wanted:?}");
+            assert!(same, "{n}, {solved:?}, {step} s: {counted:?} instead of {wanted:?}");
             assert!(n < 63 || wanted[2] > 0 && (wanted[1] > 0) == p.sleep && (wanted[3] > 0) == p.direct, "{wanted:?}");
         }
     }

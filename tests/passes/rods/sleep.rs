@@ -3,7 +3,7 @@
 use glam::{DQuat, DVec3};
 use windswept::internals::step;
 use windswept_reference::step::step as reference_step;
-use windswept_scene::{InitialState, Keyframe, Motion, Shape};
+use windswept_scene::{InitialState, Keyframe, Motion, Rods, Shape};
 use windswept_shaders::common::{
     rod::SLEEPS,
     status::{EULER_STEP, SLEEPING_STEP, STRAND_RESET, TELEPORT, UNSOLVED_STEP},
@@ -22,7 +22,7 @@ const LOST: [usize; 3] = [1, 17, 40];
 /// they were sent.
 #[test]
 fn strands_sleep_wake_and_are_reset_as_the_reference_s() {
-    let mut scene = scene_of(65, "sleep = true");
+    let mut scene = scene_of(65, &Rods::default());
     scene.gravity = [0.0; 3];
     scene.time.step = 8e-3;
     let initial = InitialState::new(&scene).unwrap();

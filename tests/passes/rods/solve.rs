@@ -8,7 +8,7 @@ use windswept_reference::{
     Parameters, State as Reference, fluid, forcing, neighbours, rods,
     step::{Scratch, step as reference_step, unobserved},
 };
-use windswept_scene::{End, InitialState, Solver};
+use windswept_scene::{End, InitialState, Integrator, Rods, Solver};
 use windswept_shaders::common::{
     rod::{RodPoint, RodSegment},
     status::{EULER_STEP, STRAND_RESET, Status, UNRECOVERED_STRAND, UNSOLVED_STEP},
@@ -16,7 +16,7 @@ use windswept_shaders::common::{
 
 use crate::{
     fixture::{Fixture, quaternion, xyz},
-    hair::{ends, hold, motion, scene_with, strands},
+    hair::{awake, ends, euler, gauss_seidel, hold, motion, newton, scene_with, strands},
     steps::{DRAG, NEWTON, STRONG_WIND, small},
     walk::largest,
 };
@@ -53,19 +53,19 @@ fn apart(fixture: &Fixture, s: &Reference, w: &Scratch) -> Vec<[f64; 3]> {
 #[test]
 fn rods_are_those_of_the_reference() {
     for n in SIZES {
-        for (keys, speed, spin, tips, bounds) in [
-            ("", 0.5, 20.0, false, FREE),
-            ("integrator = \"euler\"", 0.5, 20.0, false, FREE),
-            ("newton = 1", 0.6, 20.0, false, FREE),
-            ("", 8.0, 100.0, false, FREE),
-            ("newton = 1", 8.0, 100.0, true, ONCE),
-            ("", 0.5, 20.0, true, HELD),
-            ("integrator = \"euler\"", 2.0, 20.0, true, HELD),
-            ("", 30.0, 1000.0, true, HELD),
-            ("solver = \"gauss-seidel\"", 0.5, 20.0, false, FREE),
-            ("solver = \"gauss-seidel\", integrator = \"euler\"", 2.0, 20.0, false, FREE),
+        for (solved, speed, spin, tips, bounds) in [
+            (Rods::default(), 0.5, 20.0, false, FREE),
+            (euler(), 0.5, 20.0, false, FREE),
+            (newton(1), 0.6, 20.0, false, FREE),
+            (Rods::default(), 8.0, 100.0, false, FREE),
+            (newton(1), 8.0, 100.0, true, ONCE),
+            (Rods::default(), 0.5, 20.0, true, HELD),
+            (euler(), 2.0, 20.0, true, HELD),
+            (Rods::default(), 30.0, 1000.0, true, HELD),
+            (gauss_seidel(), 0.5, 20.0, false, FREE),
+            (Rods { integrator: Some(Integrator::Euler), ..gauss_seidel() }, 2.0, 20.0, false, FREE),
         ] {
-            let (scene, mut initial) = strands(n, keys);
+            let (scene, mut initial) = strands(n, &solved);
             if scene.check().unwrap().rods.solver == Solver::Direct {
                 ends(&mut initial.hair, tips);
             }
@@ -90,14 +90,14 @@ fn rods_are_those_of_the_reference() {
             let counting = fixture.engine.status().unwrap().counting;
             let counted = [EULER_STEP, UNSOLVED_STEP].map(|counter| counting[counter as usize] as usize);
             let wanted = [s.euler_steps - before.0, s.unsolved_steps - before.1];
-            println!("{n} strands, {keys:?}, {speed} m/s, tips {tips}: {off:?}, {counted:?}");
+            println!("{n} strands, {solved:?}, {speed} m/s, tips {tips}: {off:?}, {counted:?}");
             assert!(
                 off.iter().zip(bounds).all(|(off, bound)| *off < bound),
-                "{n}, {keys}, {speed} m/s, {tips}: {off:?}"
+                "{n}, {solved:?}, {speed} m/s, {tips}: {off:?}"
             );
             // Rounding decides whether a strand that is held at both ends settles in the last Newton step.
             let same = counted[0] == wanted[0] && counted[1].abs_diff(wanted[1]) <= if tips { 1 + n / 30 } else { 0 };
-            assert!(same, "{n}, {keys}, {speed} m/s, {tips}: {counted:?}, {wanted:?}");
+            assert!(same, "{n}, {solved:?}, {speed} m/s, {tips}: {counted:?}, {wanted:?}");
         }
     }
 }
@@ -105,13 +105,14 @@ fn rods_are_those_of_the_reference() {
 /// Strands of so many points that a dispatch takes few of their Newton steps.
 #[test]
 fn long_strands_are_solved_in_several_dispatches() {
-    let mut initial = InitialState::new(&scene_with(3, "newton = 8", [2000; 4])).unwrap();
+    let scene = scene_with(3, &newton(8), [2000; 4]);
+    let mut initial = InitialState::new(&scene).unwrap();
     [End::Clamped, End::Pinned, End::Free]
         .into_iter()
         .enumerate()
         .for_each(|(s, root)| hold(&mut initial.hair, s, root, End::Free));
     motion(&mut initial.hair, 30.0, 300.0, 6);
-    let fixture = Fixture::new(&scene_with(3, "newton = 8", [2000; 4]), &initial);
+    let fixture = Fixture::new(&scene, &initial);
     let (mut s, dispatches) = (fixture.reference.clone(), fixture.plan.rods.newton_dispatches);
     fixture.adopt(&mut s);
     let p = fixture.parameters.clone();
@@ -134,8 +135,8 @@ fn long_strands_are_solved_in_several_dispatches() {
 /// A strand at its rest shape stays there, straight or curled, whatever the solver.
 #[test]
 fn rods_at_rest_stay_at_rest() {
-    for keys in ["sleep = false", "solver = \"gauss-seidel\", integrator = \"euler\""] {
-        let (mut scene, initial) = strands(65, keys);
+    for solved in [awake(), Rods { integrator: Some(Integrator::Euler), ..gauss_seidel() }] {
+        let (mut scene, initial) = strands(65, &solved);
         scene.gravity = [0.0; 3];
         let fixture = Fixture::new(&scene, &initial);
         for _ in 0..20 {
@@ -147,9 +148,9 @@ fn rods_at_rest_stay_at_rest() {
             .zip(&fixture.reference.position)
             .map(|(a, b)| (*a - *b).length())
             .fold(0.0, f64::max);
-        println!("{keys}: moved {moved:.1e} m in 20 steps");
+        println!("{solved:?}: moved {moved:.1e} m in 20 steps");
         // Positions of up to 3 m are good to 2.4e-7 m in f32.
-        assert!(moved < 1e-6, "{keys}: {moved}");
+        assert!(moved < 1e-6, "{solved:?}: {moved}");
     }
 }
 
@@ -157,7 +158,7 @@ fn rods_at_rest_stay_at_rest() {
 #[test]
 fn loose_strands_keep_their_momentum() {
     for (speed, spin) in [(0.5, 20.0), (30.0, 1000.0)] {
-        let (mut scene, mut initial) = strands(65, "");
+        let (mut scene, mut initial) = strands(65, &Rods::default());
         (scene.gravity, scene.rods.damping) = ([0.0; 3], 0.0);
         (0..65).for_each(|s| hold(&mut initial.hair, s, End::Free, End::Free));
         motion(&mut initial.hair, speed, spin, 3);
@@ -219,7 +220,7 @@ fn the_potential_falls_in_each_step() {
 fn update_measures_stretch_and_finds_bad_strands() {
     // The victim's tip goes to where there is no number, or farther than a strand can reach; or its last frame is none.
     for (n, lost) in SIZES.into_iter().flat_map(|n| [(n, Some(f32::NAN)), (n, Some(1e4)), (n, None)]) {
-        let (scene, initial) = strands(n, "");
+        let (scene, initial) = strands(n, &Rods::default());
         let fixture = Fixture::new(&scene, &initial);
         let (s, hair) = (fixture.engine.state(), &fixture.reference.hair);
         fixture.run(step::forcing::record);

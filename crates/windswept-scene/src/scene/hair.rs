@@ -246,6 +246,15 @@ impl Hair {
         Self { name: name.into(), ..self }
     }
 
+    /// The group with strands that are drawn as helices of this radius and pitch \[m\]; those of a file stay.
+    #[must_use]
+    pub fn curled(mut self, radius: f64, pitch: f64) -> Self {
+        if let HairSource::Drawn(drawn) = &mut self.source {
+            drawn.curl = Some(Curl { radius, pitch });
+        }
+        self
+    }
+
     /// A group named `hair` of these strands, clamped at their roots.
     fn of(source: HairSource) -> Self {
         let (root, tip) = (End::Clamped, End::Free);

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use windswept_engine::{Gpu, RunError, Simulation};
-use windswept_scene::FluidSolver;
+use windswept_scene::{Air, FluidSolver};
 
 use super::{Extent, watch};
 use crate::{
@@ -28,12 +28,11 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     let mut spreading = Sweep::new("largest density at any time, of the rest density", f64::INFINITY, "").over("steps");
     for &solver in extent.of(&[FluidSolver::Divergence, FluidSolver::Pbf][..], &[FluidSolver::Divergence]) {
         for (wind, (name, crowd)) in WINDS.into_iter().flat_map(|wind| CROWDS.iter().map(move |crowd| (wind, crowd))) {
-            let mut scene = air::scene(&format!("fluid.solver = \"{}\"", solver.word()))?;
+            let mut scene = air::scene();
+            scene.fluid.solver = Some(solver);
             // No fringe to enter through: the wind carries the air, and says how much the solver `divergence` spreads
             // it.
-            if let Some(air) = &mut scene.air {
-                (air.wind, air.fringe) = (Some([wind, 0.0, 0.0]), Some(0.0));
-            }
+            scene.air = scene.air.map(|air| Air { fringe: Some(0.0), ..air.wind([wind, 0.0, 0.0]) });
             let cloud = crowd(Cloud::lattice([SIDE; 3], SIMPLE).jittered(0.05, 7)).moving(|_| DVec3::X * wind);
             let mut initial = cloud.initial();
             // Air fills the box at its rest density.

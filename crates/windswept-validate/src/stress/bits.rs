@@ -3,14 +3,13 @@
 use windswept_engine::{Checkpoint, CheckpointError, Gpu, Simulation};
 use windswept_scene::Scene;
 
-use super::{COUPLINGS, Extent, TUFT, has_air, scene};
+use super::{BAND, COUPLINGS, Coupling, Extent, WIND};
 use crate::{Error, Sweep};
 
 pub(super) const SWEPT: &str = "the same run twice; saved and loaded in the middle; step by step instead of in batches, and in submits \
     of the caller's own; each model and fluid solver";
 
 const STEPS: u64 = 60;
-const BAND: &[&str] = &["turbulence={bands=[{ scale = 0.006, strength = 3.0, intensity = 0.3 }]}"];
 
 /// A way to run a simulation to its end.
 type Way<'a> = dyn Fn(Simulation) -> Result<Simulation, Error> + 'a;
@@ -21,8 +20,8 @@ fn missing(error: CheckpointError) -> Error {
 
 pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     let mut differing = Sweep::new("bytes of the state that differ", 0.0, "");
-    for (coupling, keys) in extent.of(&COUPLINGS[..], &COUPLINGS[2..3]) {
-        let scene = turbulent(coupling, keys)?;
+    for coupling in extent.of(&COUPLINGS[..], &COUPLINGS[2..3]) {
+        let scene = turbulent(*coupling);
         let state = |run: &Way<'_>| -> Result<Vec<u8>, Error> {
             run(Simulation::new(gpu, &scene)?)?.to_bytes().map_err(missing)
         };
@@ -60,7 +59,7 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
         for (way, run) in ways {
             let other = state(run)?;
             let bytes = differing_bytes(&once, &other);
-            differing.add(*coupling, way, f64::NAN, bytes as f64);
+            differing.add(coupling.name, way, f64::NAN, bytes as f64);
         }
     }
     Ok(vec![differing])
@@ -73,13 +72,17 @@ pub fn differing_bytes(one: &[u8], other: &[u8]) -> usize {
 }
 
 /// A tuft, in eddies where there is air.
-fn turbulent(coupling: &str, keys: &[&str]) -> Result<Scene, Error> {
-    scene(TUFT, &[keys, if has_air(coupling) { BAND } else { &[] }])
+fn turbulent(coupling: Coupling) -> Scene {
+    let mut scene = coupling.tuft(WIND);
+    if coupling.has_air() {
+        scene.turbulence.bands = vec![BAND];
+    }
+    scene
 }
 
 /// Couplings whose [`fingerprint`] can be taken, by name.
 pub fn couplings() -> impl Iterator<Item = &'static str> {
-    COUPLINGS.iter().map(|(name, _)| *name)
+    COUPLINGS.iter().map(|coupling| coupling.name)
 }
 
 /// State of a run with everything in it, for comparison with that of another process.
@@ -87,10 +90,10 @@ pub fn couplings() -> impl Iterator<Item = &'static str> {
 /// # Errors
 /// [`Error`] if there is no such coupling, or the run cannot be.
 pub fn fingerprint(gpu: &Gpu, coupling: &str) -> Result<Vec<u8>, Error> {
-    let (name, keys) = COUPLINGS.iter().find(|(name, _)| *name == coupling).ok_or_else(|| {
+    let coupling = *COUPLINGS.iter().find(|known| known.name == coupling).ok_or_else(|| {
         Error::Missing(format!("no coupling {coupling:?}; there are {:?}", Vec::from_iter(couplings())))
     })?;
-    let mut simulation = Simulation::new(gpu, &turbulent(name, keys)?)?;
+    let mut simulation = Simulation::new(gpu, &turbulent(coupling))?;
     simulation.step(STEPS)?;
     simulation.to_bytes().map_err(missing)
 }

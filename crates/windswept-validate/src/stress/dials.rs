@@ -1,8 +1,9 @@
 //! Dials turned far beyond their range: viscosity, confinement, bands, bodies.
 
 use windswept_engine::{Gpu, Simulation};
+use windswept_scene::{Air, Band, Body, Scene};
 
-use super::{COUPLINGS, Extent, TUFT, has_air, scene, watch};
+use super::{COUPLINGS, Extent, WIND, watch};
 use crate::{
     Error, Sweep,
     air::{farthest, mean, vectors},
@@ -17,7 +18,6 @@ pub(super) const SWEPT: &str = "viscosity.hair 0 to 100; strength of a band of t
 const WILD: f64 = 2.0;
 const LOOKS: u64 = 30;
 const STRIDE: u64 = 5;
-const WIND: f64 = 3.0;
 /// Intensity of a band, up to which it is strengthened: at the usual one the strength soon changes nothing more, at the
 /// other the limit is what a step resolves, 2.2 times the wind.
 const USUAL: f64 = 0.3;
@@ -31,89 +31,96 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
         Sweep::new("largest kinetic energy of the air, over the wind's", WILD, "").over("strength of a single band");
     let mut stretched = Sweep::new("largest stretch", 0.02, "");
     let mut resets = Sweep::new("strands reset", 0.0, "");
-    for &(coupling, keys) in extent.of(&COUPLINGS[..], &[COUPLINGS[1], COUPLINGS[2], COUPLINGS[5]]) {
-        let asked =
-            extent.of(dials(), vec![band(1000.0, USUAL), bands("2 bands", 2, SMALLEST, 30.0, INTENSE), bodies()]);
-        for Dial { name, keys: turned, bands, strength } in asked {
+    for &coupling in extent.of(&COUPLINGS[..], &[COUPLINGS[1], COUPLINGS[2], COUPLINGS[5]]) {
+        let cut = [bands(1, SCALE, 1000.0, USUAL), bands(2, SMALLEST, 30.0, INTENSE), Dial::Bodies];
+        for dial in extent.of(dials(), cut.into()) {
             // Viscosity and bands are those of particles of air.
-            if !has_air(coupling) && name != bodies().name {
+            if !coupling.has_air() && !matches!(dial, Dial::Bodies) {
                 continue;
             }
-            let turned: Vec<&str> = turned.iter().map(String::as_str).collect();
-            let mut simulation = Simulation::new(gpu, &scene(TUFT, &[keys, &turned])?)?;
+            let mut scene = coupling.tuft(WIND);
+            dial.turn(&mut scene);
+            let mut simulation = Simulation::new(gpu, &scene)?;
             let mut energies = Vec::new();
             let felt = watch(&mut simulation, LOOKS, STRIDE, |simulation, _| {
                 let v = vectors(&simulation.frame()?.air.velocities);
                 energies.push(mean(v.iter().map(|v| v.length_squared())) / WIND.powi(2));
                 Ok(())
             });
-            if has_air(coupling) {
-                let (count, intensity) = bands;
-                let bound = WILD + (f64::from(count) * intensity).powi(2);
-                let series = format!("{coupling}, intensity {intensity}");
-                energy.add(series, felt.at(&name), strength, farthest(energies, 0.0)).tolerance = bound;
+            let setting = felt.at(dial.name());
+            if coupling.has_air() {
+                let bands = dial.bands();
+                let intensity = bands.first().map_or(USUAL, |band| band.intensity);
+                let bound = WILD + (bands.len() as f64 * intensity).powi(2);
+                let strength = if let [single] = bands { single.strength } else { f64::NAN };
+                let series = format!("{}, intensity {intensity}", coupling.name);
+                energy.add(series, &setting, strength, farthest(energies, 0.0)).tolerance = bound;
             }
-            stretched.add(coupling, felt.at(&name), f64::NAN, felt.stretch);
-            resets.add(coupling, felt.at(&name), f64::NAN, felt.resets);
+            stretched.add(coupling.name, &setting, f64::NAN, felt.stretch);
+            resets.add(coupling.name, &setting, f64::NAN, felt.resets);
         }
     }
     Ok(vec![energy, stretched, resets])
 }
 
 /// A dial that is turned.
-struct Dial {
-    name: String,
-    /// The keys of the scene that turn it.
-    keys: Vec<String>,
-    /// Number of bands, and their intensity.
-    bands: (u32, f64),
-    /// Strength of a single band; else NaN.
-    strength: f64,
+enum Dial {
+    /// `viscosity.hair`.
+    Viscosity(f64),
+    /// Bands of one strength and intensity.
+    Bands(Vec<Band>),
+    /// Sixteen balls that stand in the hair.
+    Bodies,
 }
 
 impl Dial {
-    /// A dial that is not about bands.
-    fn new(name: impl Into<String>, key: String) -> Self {
-        Self { name: name.into(), keys: vec![key], bands: (0, USUAL), strength: f64::NAN }
+    fn name(&self) -> String {
+        match self {
+            Self::Viscosity(c) => format!("viscosity.hair {c}"),
+            Self::Bands(bands) => {
+                let Band { strength, intensity, .. } = bands[0];
+                let count = if bands.len() == 1 { "a band" } else { &format!("{} bands", bands.len()) };
+                format!("{count} of strength {strength} and intensity {intensity}")
+            }
+            Self::Bodies => "16 bodies".to_owned(),
+        }
+    }
+
+    fn turn(&self, scene: &mut Scene) {
+        match self {
+            Self::Viscosity(c) => scene.viscosity.hair = Some(*c),
+            Self::Bands(bands) => {
+                scene.turbulence.bands.clone_from(bands);
+                // Eddies live on: a fringe would still them where the wind enters.
+                scene.air = scene.air.take().map(|air| Air { fringe: Some(0.0), ..air });
+            }
+            Self::Bodies => {
+                let ball = |k: usize| {
+                    let (x, y) = (0.005 + 0.01 * (k % 4) as f64, 0.01 + 0.012 * (k / 4) as f64);
+                    Body::sphere([x, y, 0.014], 0.003).named(k.to_string())
+                };
+                scene.bodies = (0..16).map(ball).collect();
+            }
+        }
+    }
+
+    /// Bands that are strengthened; none where the dial is another.
+    fn bands(&self) -> &[Band] {
+        if let Self::Bands(bands) = self { bands } else { &[] }
     }
 }
 
 fn dials() -> Vec<Dial> {
-    let viscosities =
-        [0.0, 1.4, 30.0, 100.0].map(|c| Dial::new(format!("viscosity.hair {c}"), format!("viscosity.hair={c}")));
-    let strengths = [0.0, 3.0, 100.0, 1000.0].map(|strength| band(strength, USUAL));
-    let intense = [3.0, 30.0, 100.0, 1000.0].map(|strength| band(strength, INTENSE));
-    let many =
-        [USUAL, INTENSE].map(|intensity| [2, 4, 8].map(|n| bands(&format!("{n} bands"), n, SMALLEST, 30.0, intensity)));
+    let viscosities = [0.0, 1.4, 30.0, 100.0].map(Dial::Viscosity);
+    let strengths = [0.0, 3.0, 100.0, 1000.0].map(|strength| bands(1, SCALE, strength, USUAL));
+    let intense = [3.0, 30.0, 100.0, 1000.0].map(|strength| bands(1, SCALE, strength, INTENSE));
+    let many = [USUAL, INTENSE].map(|intensity| [2, 4, 8].map(|n| bands(n, SMALLEST, 30.0, intensity)));
     let many = many.into_iter().flatten();
-    viscosities.into_iter().chain(strengths).chain(intense).chain(many).chain([bodies()]).collect()
+    viscosities.into_iter().chain(strengths).chain(intense).chain(many).chain([Dial::Bodies]).collect()
 }
 
-/// A single band.
-fn band(strength: f64, intensity: f64) -> Dial {
-    Dial { strength, ..bands("a band", 1, SCALE, strength, intensity) }
-}
-
-/// Bands whose eddies live on: a fringe would still them where the wind enters.
-fn bands(what: &str, count: u32, scale: f64, strength: f64, intensity: f64) -> Dial {
-    let band = |k: u32| {
-        format!("{{ scale = {}, strength = {strength}, intensity = {intensity} }}", scale + 0.001 * f64::from(k))
-    };
-    let key = format!("turbulence={{bands=[{}]}}", (0..count).map(band).collect::<Vec<_>>().join(", "));
-    Dial {
-        name: format!("{what} of strength {strength} and intensity {intensity}"),
-        keys: vec![key, "air.fringe=0".to_owned()],
-        bands: (count, intensity),
-        strength: f64::NAN,
-    }
-}
-
-/// Sixteen balls that stand in the hair.
-fn bodies() -> Dial {
-    let ball = |k: usize| {
-        let (x, y) = (0.005 + 0.01 * (k % 4) as f64, 0.01 + 0.012 * (k / 4) as f64);
-        format!("{{ name = \"{k}\", center = [{x}, {y}, 0.014], radius = 0.003 }}")
-    };
-    let key = format!("body=[{}]", (0..16).map(ball).collect::<Vec<_>>().join(", "));
-    Dial::new("16 bodies", key)
+/// So many bands of neighbouring scales, from the first one on \[m\].
+fn bands(count: u32, scale: f64, strength: f64, intensity: f64) -> Dial {
+    let band = |k: u32| Band { scale: scale + 0.001 * f64::from(k), strength, intensity };
+    Dial::Bands((0..count).map(band).collect())
 }

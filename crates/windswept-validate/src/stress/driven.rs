@@ -4,9 +4,9 @@ use std::f64::consts::{PI, TAU};
 
 use glam::{DQuat, DVec3};
 use windswept_engine::{Gpu, Simulation};
-use windswept_scene::CheckedShape;
+use windswept_scene::{Body, CheckedShape, Keyframe};
 
-use super::{COUPLINGS, Extent, LENGTH, TUFT, USUAL, points, scene, stretch};
+use super::{COUPLINGS, Extent, LENGTH, USUAL, WIND, points, strands, stretch};
 use crate::{Error, Sweep, air::farthest};
 
 pub(super) const ROOTS: &str = "roots that jump by 10 m, turn by half a turn in a step, shake at 20 Hz by 50 mm, spin at 100 rad/s; \
@@ -32,9 +32,9 @@ pub(super) fn roots(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     let mut kept = Sweep::new("shape after a jump, off that before", 1e-3, "L");
     let mut reach = Sweep::new("farthest point from its root", 1.05, "L");
     let mut resets = Sweep::new("strands reset", 0.0, "");
-    for (coupling, keys) in extent.of(&COUPLINGS[..], &USUAL[..]) {
+    for coupling in extent.of(&COUPLINGS[..], &USUAL[..]) {
         for (number, (name, drive)) in DRIVES.iter().enumerate() {
-            let mut simulation = Simulation::new(gpu, &scene(TUFT, &[keys])?)?;
+            let mut simulation = Simulation::new(gpu, &coupling.tuft(WIND))?;
             simulation.step(BEFORE)?;
             let hair = simulation.initial().hair.clone();
             let before = points(&simulation)?;
@@ -56,11 +56,11 @@ pub(super) fn roots(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
                 far = farthest(offsets.iter().map(|x| x.length() / LENGTH).chain([far]), 0.0);
                 if number == 0 && step == 1 {
                     let moved = offsets.iter().zip(off(&before)).map(|(a, b)| a.distance(b) / LENGTH);
-                    kept.add(*coupling, *name, f64::NAN, farthest(moved, 0.0));
+                    kept.add(coupling.name, *name, f64::NAN, farthest(moved, 0.0));
                 }
             }
-            reach.add(*coupling, *name, f64::NAN, far);
-            resets.add(*coupling, *name, f64::NAN, super::resets(&simulation));
+            reach.add(coupling.name, *name, f64::NAN, far);
+            resets.add(coupling.name, *name, f64::NAN, super::resets(&simulation));
         }
     }
     Ok(vec![kept, reach, resets])
@@ -69,7 +69,7 @@ pub(super) fn roots(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
 /// Speeds of a body \[m/s\].
 const SPEEDS: [f64; 4] = [1.0, 2.0, 3.0, 10.0];
 /// Segments \[mm\], and the points of a strand that has them.
-const SEGMENTS: [(u32, &str); 2] = [(6, "hair.points=9"), (2, "hair.points=26")];
+const SEGMENTS: [(u32, u32); 2] = [(6, 9), (2, 26)];
 /// Radius of the ball \[m\].
 const RADIUS: f64 = 0.01;
 
@@ -81,21 +81,19 @@ pub(super) fn bodies(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     let mut beyond = Sweep::new("the same, in one that goes more", f64::INFINITY, "m");
     let mut slips = Sweep::new("points that slip through the ball, more than 1 mm deep", f64::INFINITY, "");
     let mut resets = Sweep::new("strands reset", 0.0, "");
-    for (coupling, keys) in COUPLINGS {
+    for coupling in COUPLINGS {
         for &(segment, points_of_strand) in extent.of(&SEGMENTS[..], &SEGMENTS[..1]) {
             for &speed in extent.of(&SPEEDS[..], &[1.0]) {
                 let (from, far) = (-0.04, 0.12);
-                let ball = format!(
-                    "body=[{{ name = \"ball\", center = [0.02, 0.03, 0.014], radius = {RADIUS}, motion = [\
-                     {{ time = 0.05, translation = [{from}, 0, 0] }}, {{ time = {}, translation = [{}, 0, 0] }}] }}]",
-                    0.05 + far / speed,
-                    from + far,
-                );
-                let asked = [ball.as_str(), points_of_strand, "air.wind=[0,0,0]"];
-                let mut simulation = Simulation::new(gpu, &scene(TUFT, &[keys, &asked])?)?;
+                let at = |time: f64, x: f64| Keyframe { translation: [x, 0.0, 0.0], ..Keyframe::new(time) };
+                let motion = [at(0.05, from), at(0.05 + far / speed, from + far)].into();
+                let mut scene = coupling.tuft(0.0);
+                scene.bodies = vec![Body { motion, ..Body::sphere([0.02, 0.03, 0.014], RADIUS) }];
+                scene.hair = vec![strands(6, points_of_strand, LENGTH, super::roots())];
+                let mut simulation = Simulation::new(gpu, &scene)?;
                 let steps = ((0.05 + far / speed) / simulation.dt()) as u64 + 20;
                 let felt = through(&mut simulation, steps)?;
-                let series = format!("{coupling}, segments of {segment} mm");
+                let series = format!("{}, segments of {segment} mm", coupling.name);
                 let setting = format!("{speed} m/s");
                 hit.add(&series, &setting, speed, felt.hit);
                 longer.add(&series, &setting, speed, felt.after);

@@ -7,7 +7,7 @@ use rand_pcg::Pcg64;
 use windswept_engine::{Gpu, Simulation};
 use windswept_scene::{Groom, InitialState};
 
-use super::{COUPLINGS, Extent, TUFT, USUAL, points, scene, stretch};
+use super::{COUPLINGS, Extent, USUAL, WIND, points, stretch};
 use crate::{Error, Sweep};
 
 pub(super) const SWEPT: &str = "a zero-length edge, doubled points, a strand of 2 points, all points in one; a random tangle of 0.4 to 2 \
@@ -22,24 +22,24 @@ const LENGTH: f64 = 0.05;
 pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     let mut refused = Sweep::new("faulty grooms that are not refused with the strand's number", 0.0, "");
     let mut whole = Sweep::new("stretch after 20 steps", 0.01, "");
-    for (coupling, keys) in extent.of(&COUPLINGS[..], &USUAL[..]) {
-        let scene = scene(TUFT, &[keys])?;
+    for coupling in extent.of(&COUPLINGS[..], &USUAL[..]) {
+        let scene = coupling.tuft(WIND);
         for (fault, row) in grooms() {
             let groom = two(&row);
             let said = match InitialState::with_groom(&scene, &groom) {
                 Err(error) => f64::from(u8::from(!error.to_string().contains("strand 1"))),
                 Ok(_) => 1.0,
             };
-            refused.add(*coupling, fault, f64::NAN, said);
+            refused.add(coupling.name, fault, f64::NAN, said);
         }
         let shortest = two(&[[0.021, 0.055, 0.014], [0.021, 0.005, 0.014]]);
         let mut simulation = Simulation::with_groom(gpu, &scene, &shortest)?;
         let after = largest_stretch(&mut simulation, None);
-        whole.add(*coupling, "a strand of 2 points", f64::NAN, after.unwrap_or(f64::NAN));
+        whole.add(coupling.name, "a strand of 2 points", f64::NAN, after.unwrap_or(f64::NAN));
         for (start, place) in STARTS {
             let mut simulation = Simulation::new(gpu, &scene)?;
             let after = largest_stretch(&mut simulation, Some(place));
-            whole.add(*coupling, *start, f64::NAN, after.unwrap_or(f64::NAN));
+            whole.add(coupling.name, *start, f64::NAN, after.unwrap_or(f64::NAN));
         }
     }
     Ok(vec![refused, whole])

@@ -5,13 +5,13 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use glam::DVec3;
 use windswept_engine::{Gpu, Simulation};
-use windswept_scene::InitialState;
+use windswept_scene::{Air, Bounds, Fibre, Hair, InitialState, Model, Roots, Scene, Time};
 
-use super::{COUPLINGS, Extent, Felt, USUAL, points, scene, stretch_of, watch};
+use super::{COUPLINGS, Coupling, Extent, Felt, USUAL, points, stretch_of, watch};
 use crate::{
     Error, Sweep,
     air::farthest,
-    rods::{self, BEND_OVER_TWIST, GRAVITY, Rod},
+    rods::{self, GRAVITY, Rod, stiffness},
 };
 
 pub(super) const STIFFNESSES: &str = "bend stiffness times 1e-6 to 1e6 (γ = 1e7 to 1e-5), stretch stiffness times \
@@ -56,17 +56,13 @@ impl Strand {
         weight * self.length.powi(3) / bend
     }
 
-    /// The strand as a `[[hair]]` table of a scene file, with its root at `root` \[m\].
-    fn group(&self, name: usize, root: [f64; 3]) -> String {
-        let Self { points, radius, length, .. } = self;
+    /// The strand with its root at `root` \[m\].
+    fn group(&self, name: usize, root: [f64; 3]) -> Hair {
         let (_, stretch, bend) = self.properties();
-        format!(
-            "[[hair]]\nname = \"{name}\"\nstrands = 1\npoints = {points}\nlength = {length}\nradius = {radius}\n\
-             density = {DENSITY}\n\
-             stretch_stiffness = {stretch}\nbend_stiffness = {bend}\ntwist_stiffness = {}\n\
-             roots = {{ center = {root:?}, radius = 1e-9, direction = [1, 0, 0] }}\n",
-            bend / BEND_OVER_TWIST
-        )
+        let stiffness = stiffness(stretch, bend);
+        let fibre = Fibre { radius: self.radius, density: DENSITY, stiffness, ..Fibre::default() };
+        let roots = Roots::disc(root, 1e-9).toward([1.0, 0.0, 0.0]);
+        Hair { fibre, ..Hair::drawn(1, self.points as u32, self.length, roots).named(name.to_string()) }
     }
 }
 
@@ -93,22 +89,25 @@ struct Hung {
 
 /// Strands that come to rest in still air, farther than a kernel radius from one another, about a place that is so far
 /// along each axis \[m\].
-fn hang(gpu: &Gpu, keys: &[&str], strands: &[Strand], center: f64, rest: &Rest) -> Result<(Felt, Vec<Hung>), Error> {
+fn hang(
+    gpu: &Gpu,
+    coupling: Coupling,
+    strands: &[Strand],
+    center: f64,
+    rest: &Rest,
+) -> Result<(Felt, Vec<Hung>), Error> {
     let depth = 0.028_f64.max(0.012 * strands.len() as f64);
     let root = |i: usize| [center, center, center + depth * ((i as f64 + 0.5) / strands.len() as f64 - 0.5)];
     let corner = |shift: [f64; 3]| shift.map(|x| center + x);
-    let text = format!(
-        "gravity = [0, {}, 0]\ntime = {{ step = {}, duration = 1e3 }}\nrods.damping = {}\n\
-         viscosity = {{ kinematic_hair = 4e-3, kinematic_air = 4e-5 }}\n\
-         air = {{ box = {{ min = {:?}, max = {:?} }}, wind = [0, 0, 0] }}\n{}",
-        -GRAVITY,
-        rest.step,
-        rest.damping,
-        corner([-0.01, 0.01 - rest.side, -0.5 * depth]),
-        corner([rest.side - 0.01, 0.01, 0.5 * depth]),
-        strands.iter().enumerate().map(|(i, strand)| strand.group(i, root(i))).collect::<String>(),
-    );
-    let scene = scene(&text, &[keys])?;
+    let bounds = Bounds {
+        min: corner([-0.01, 0.01 - rest.side, -0.5 * depth]),
+        max: corner([rest.side - 0.01, 0.01, 0.5 * depth]),
+    };
+    let mut scene = coupling.of(Scene::new(Time::new(rest.step, 1e3)));
+    scene.hair = strands.iter().enumerate().map(|(i, strand)| strand.group(i, root(i))).collect();
+    scene.air = Some(Air { bounds: Some(bounds), ..Air::default().wind([0.0; 3]) });
+    scene.rods.damping = rest.damping;
+    (scene.viscosity.kinematic_hair, scene.viscosity.kinematic_air) = (Some(4e-3), Some(4e-5));
     let mut initial = InitialState::new(&scene)?;
     (0..strands.len()).for_each(|s| initial.hair.turn_clamp(s, Rod::level(1.0, 1).root_frame));
     let hair = initial.hair.clone();
@@ -150,12 +149,12 @@ pub(super) fn stiffnesses(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error
     let few = extent.of(&[1e-6, 1e-2, 1.0, 1e2, 1e6][..], &[1e-2]);
     let stretches = extent.of(&[1e-2, 1.0, 100.0, 1e4][..], &[1.0]).iter();
     let alone =
-        stretches.map(|stretch| (format!("stretch stiffness × {stretch:e}"), COUPLINGS[0].1, &ALONE, *stretch, bends));
+        stretches.map(|stretch| (format!("stretch stiffness × {stretch:e}"), COUPLINGS[0], &ALONE, *stretch, bends));
     let couplings = extent.of(&COUPLINGS[1..], &USUAL[..]).iter();
-    let in_air = couplings.map(|(coupling, keys)| (format!("{coupling}, still air"), *keys, &IN_AIR, 1.0, few));
-    for (series, keys, (strand, rest), stretch, bends) in alone.chain(in_air) {
+    let in_air = couplings.map(|coupling| (format!("{}, still air", coupling.name), *coupling, &IN_AIR, 1.0, few));
+    for (series, coupling, (strand, rest), stretch, bends) in alone.chain(in_air) {
         let strand = |bend: &f64| Strand { stiffness: [stretch, bend * strand.gamma() / GAMMA], ..*strand };
-        let (felt, hung) = hang(gpu, keys, &bends.iter().map(strand).collect::<Vec<_>>(), 0.0, rest)?;
+        let (felt, hung) = hang(gpu, coupling, &bends.iter().map(strand).collect::<Vec<_>>(), 0.0, rest)?;
         for (&bend, hung) in bends.iter().zip(hung) {
             let setting = felt.at(format!("bend stiffness × {bend:e}"));
             stretched.add(&series, &setting, bend, hung.stretch);
@@ -221,15 +220,15 @@ pub(super) fn sizes(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     ];
     let in_air = in_air.map(|(setting, swept, strand)| (setting.to_owned(), swept, strand));
     let in_air = extent.of(&in_air[..], &in_air[1..2]);
-    for (coupling, keys) in extent.of(&COUPLINGS[..], &COUPLINGS[..3]) {
-        let (is_alone, series) = (*coupling == "none", format!("{coupling}, still air, "));
+    for coupling in extent.of(&COUPLINGS[..], &COUPLINGS[..3]) {
+        let (is_alone, series) = (coupling.model == Model::None, format!("{}, still air, ", coupling.name));
         let series = if is_alone { "" } else { &series };
         for (setting, swept, strand) in if is_alone { &alone } else { in_air } {
             let mut tips = Vec::new();
             // Among particles of air only one is looked at far away.
             let places = [("at the origin", 0.0), ("1 km away", 1000.0)];
             for (place, center) in &places[..if is_alone || setting == "35 points" { 2 } else { 1 }] {
-                let (felt, hung) = hang(gpu, keys, &[*strand], *center, &at_leisure(strand, is_alone))?;
+                let (felt, hung) = hang(gpu, *coupling, &[*strand], *center, &at_leisure(strand, is_alone))?;
                 let (series, setting) = (format!("{series}{place}"), felt.at(setting));
                 stretched.add(&series, &setting, f64::NAN, felt.stretch);
                 resets.add(&series, &setting, f64::NAN, felt.resets);

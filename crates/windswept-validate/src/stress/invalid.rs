@@ -3,7 +3,7 @@
 use windswept_engine::{Gpu, Simulation};
 use windswept_shaders::common::rod::INVALID;
 
-use super::{COUPLINGS, Extent, TUFT, USUAL, differing_bytes, points, reason, scene, stretch};
+use super::{COUPLINGS, Extent, USUAL, WIND, differing_bytes, points, reason, stretch};
 use crate::{Error, Sweep};
 
 pub(super) const SWEPT: &str =
@@ -30,12 +30,12 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     let mut resets = Sweep::new("resets, off one that names the strand", 0.0, "");
     let mut others = Sweep::new("bytes of the state that differ from where the strand is reset by hand", 0.0, "");
     let mut whole = Sweep::new("stretch 20 steps later", 0.01, "");
-    for (coupling, keys) in extent.of(&COUPLINGS[..], &USUAL[..]) {
+    for coupling in extent.of(&COUPLINGS[..], &USUAL[..]) {
         for (name, array) in &ARRAYS {
             for value in extent.of(&[f32::NAN, 1e30][..], &[f32::NAN]) {
                 let setting = format!("{name} = {value:e}");
-                let mut invalid = Simulation::new(gpu, &scene(TUFT, &[keys])?)?;
-                let mut by_hand = Simulation::new(gpu, &scene(TUFT, &[keys])?)?;
+                let mut invalid = Simulation::new(gpu, &coupling.tuft(WIND))?;
+                let mut by_hand = Simulation::new(gpu, &coupling.tuft(WIND))?;
                 invalid.step(BEFORE)?;
                 by_hand.step(BEFORE)?;
                 spoil(&invalid, *array, *value)?;
@@ -46,11 +46,11 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
                 let named =
                     invalid.resets().iter().filter(|reset| reset.strands == 1 && reset.named == [STRAND as u32]);
                 let (named, all) = (named.count() as f64, super::resets(&invalid));
-                resets.add(*coupling, &setting, f64::NAN, (named - 1.0).abs().max((all - 1.0).abs()));
+                resets.add(coupling.name, &setting, f64::NAN, (named - 1.0).abs().max((all - 1.0).abs()));
                 let (arrays, bytes) = differing(&invalid, &by_hand)?;
-                others.add(*coupling, format!("{setting}{arrays}"), f64::NAN, bytes as f64);
+                others.add(coupling.name, format!("{setting}{arrays}"), f64::NAN, bytes as f64);
                 let stretch = stretch(&invalid.initial().hair, &points(&invalid)?);
-                whole.add(*coupling, &setting, f64::NAN, stretch);
+                whole.add(coupling.name, &setting, f64::NAN, stretch);
             }
         }
     }

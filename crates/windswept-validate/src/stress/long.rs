@@ -2,11 +2,13 @@
 
 use glam::DVec3;
 use windswept_engine::{Gpu, Simulation};
+use windswept_scene::{Air, Roots};
 
-use super::{COUPLINGS, Extent, TUFT, has_air, points, scene};
+use super::{BAND, COUPLINGS, Coupling, Extent, WIND, points, strands};
 use crate::{
     Error, Sweep,
     air::{farthest, mean, vectors},
+    scenes::blowing,
 };
 
 pub(super) const SWEPT: &str = "100 000 steps of two-way hair and air with a band of eddies, both fluid solvers";
@@ -15,18 +17,6 @@ pub(super) const OTHERS: &str =
 
 /// Looks whose mean is a point of a curve.
 const POINT: usize = 50;
-/// Strands of hair in a box as small as can be.
-const SMALL: &[&str] = &[
-    "hair.strands=2",
-    "hair.length=0.02",
-    "hair.points=5",
-    "hair.roots.center=[0.014,0.026,0.014]",
-    "air.box.max=[0.028,0.028,0.028]",
-    "air.fringe=0.006",
-];
-const BAND: &[&str] = &["turbulence={bands=[{ scale = 0.006, strength = 3.0, intensity = 0.3 }]}"];
-/// Without particles of air hair would soon sleep: it starts level, and is kept awake.
-const AWAKE: &[&str] = &["hair.roots.direction=[1,0,0]", "rods.sleep=false", "rods.damping=20"];
 /// Length of the strands \[m\].
 const LENGTH: f64 = 0.02;
 
@@ -42,7 +32,7 @@ pub(super) fn others(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     )
 }
 
-fn runs(gpu: &Gpu, extent: Extent, couplings: &[(&str, &[&str])]) -> Result<Vec<Sweep>, Error> {
+fn runs(gpu: &Gpu, extent: Extent, couplings: &[Coupling]) -> Result<Vec<Sweep>, Error> {
     let mut energy =
         Sweep::new("kinetic energy of the air about its mean velocity, last quarter over second, off 1", 0.05, "");
     let mut density = Sweep::new("rms of the density error, last quarter over second, off 1", 0.1, "");
@@ -59,12 +49,12 @@ fn runs(gpu: &Gpu, extent: Extent, couplings: &[(&str, &[&str])]) -> Result<Vec<
     let steps = extent.of(100_000, 9000);
     // Eddies come and go, so that a mean needs many looks.
     let looks = extent.of(1000, 300);
-    for (coupling, keys) in couplings {
-        let mut simulation = small(gpu, coupling, keys)?;
+    for coupling in couplings {
+        let mut simulation = small(gpu, *coupling)?;
         let (mut energies, mut errors, mut shapes) = (Vec::new(), Vec::new(), Vec::new());
         for _ in 0..looks {
             simulation.step((steps / looks) as u64)?;
-            if !has_air(coupling) {
+            if !coupling.has_air() {
                 shapes.push(points(&simulation)?);
                 continue;
             }
@@ -80,30 +70,42 @@ fn runs(gpu: &Gpu, extent: Extent, couplings: &[(&str, &[&str])]) -> Result<Vec<
             (of(3) / of(1) - 1.0).abs()
         };
         let setting = format!("{steps} steps");
-        if has_air(coupling) {
-            energy.add(*coupling, &setting, f64::NAN, drift(&energies));
-            density.add(*coupling, &setting, f64::NAN, drift(&errors));
+        if coupling.has_air() {
+            energy.add(coupling.name, &setting, f64::NAN, drift(&energies));
+            density.add(coupling.name, &setting, f64::NAN, drift(&errors));
             for (curve, values) in [(&mut energy_curve, &energies), (&mut density_curve, &errors)] {
                 for (k, point) in values.chunks(POINT).enumerate() {
                     let step = (k + 1) * POINT * steps / looks;
-                    curve.add(*coupling, format!("step {step}"), step as f64, mean(point.iter().copied()));
+                    curve.add(coupling.name, format!("step {step}"), step as f64, mean(point.iter().copied()));
                 }
             }
         } else {
             let apart = |a: &[DVec3], b: &[DVec3]| farthest(a.iter().zip(b).map(|(a, b)| a.distance(*b)), 0.0);
             let pairs = quarter(1).zip(quarter(3)).map(|(a, b)| apart(&shapes[a], &shapes[b]) / LENGTH);
-            places.add(*coupling, &setting, f64::NAN, farthest(pairs, 0.0));
+            places.add(coupling.name, &setting, f64::NAN, farthest(pairs, 0.0));
         }
         let report = simulation.report()?;
-        stretched.add(*coupling, &setting, f64::NAN, report.max_stretch.unwrap_or(f64::NAN));
-        resets.add(*coupling, &setting, f64::NAN, super::resets(&simulation));
+        stretched.add(coupling.name, &setting, f64::NAN, report.max_stretch.unwrap_or(f64::NAN));
+        resets.add(coupling.name, &setting, f64::NAN, super::resets(&simulation));
     }
     let all = [energy, density, energy_curve, density_curve, places, stretched, resets];
     Ok(all.into_iter().filter(|sweep| !sweep.rows.is_empty()).collect())
 }
 
-fn small(gpu: &Gpu, coupling: &str, keys: &[&str]) -> Result<Simulation, Error> {
-    Ok(Simulation::new(gpu, &scene(TUFT, &[SMALL, if has_air(coupling) { BAND } else { AWAKE }, keys])?)?)
+/// Two strands of hair in a box as small as can be.
+fn small(gpu: &Gpu, coupling: Coupling) -> Result<Simulation, Error> {
+    let mut scene = coupling.tuft(WIND);
+    let mut roots = Roots::disc([0.014, 0.026, 0.014], 0.006);
+    scene.air = Some(Air { fringe: Some(0.006), ..blowing([0.028; 3], [WIND, 0.0, 0.0]) });
+    if coupling.has_air() {
+        scene.turbulence.bands = vec![BAND];
+    } else {
+        // Without particles of air hair would soon sleep: it starts level, and is kept awake.
+        roots = roots.toward([1.0, 0.0, 0.0]);
+        (scene.rods.sleep, scene.rods.damping) = (false, 20.0);
+    }
+    scene.hair = vec![strands(2, 5, LENGTH, roots)];
+    Ok(Simulation::new(gpu, &scene)?)
 }
 
 /// Steps of a batch while memory is watched.
@@ -119,14 +121,14 @@ const STEPS_PER_BATCH: u64 = 4;
 /// [`Error`] if the run cannot be.
 pub fn memory(gpu: &Gpu) -> Result<Sweep, Error> {
     let mut grown = Sweep::new("growth of the process's memory in 10 000 steps", 4.0, "MiB");
-    let (coupling, keys) = COUPLINGS[2];
-    let mut simulation = small(gpu, coupling, keys)?;
+    let coupling = COUPLINGS[2];
+    let mut simulation = small(gpu, coupling)?;
     let mut run = |steps| (0..steps / STEPS_PER_BATCH).try_for_each(|_| simulation.step(STEPS_PER_BATCH));
     run(3000)?;
     let before = anonymous_mib();
     run(10_000)?;
     if let Some((after, before)) = anonymous_mib().zip(before) {
-        grown.add(coupling, "10 000 steps", f64::NAN, (after - before).max(0.0));
+        grown.add(coupling.name, "10 000 steps", f64::NAN, (after - before).max(0.0));
     }
     Ok(grown)
 }

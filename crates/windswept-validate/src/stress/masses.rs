@@ -4,9 +4,11 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 use windswept_engine::{Gpu, Simulation};
-use windswept_scene::{InitialState, Model};
+use windswept_scene::{End, Fibre, InitialState, Model, Scene};
 
-use super::{COUPLINGS, Extent, Felt, TUFT, scene, sweep_of_unsolved, undriven, watch};
+use super::{
+    COUPLINGS, Coupling, Extent, Felt, LENGTH, POINTS, WIND, roots, strands, sweep_of_unsolved, undriven, watch,
+};
 use crate::{
     Error, Sweep,
     momentum::{exchanged, received},
@@ -16,16 +18,23 @@ pub(super) const SWEPT: &str = "neighbouring points of masses 1 : 1e4; hair of 1
     moves with less than a tenth of that of its air; 1 to 1000 fibres; \
     each model and fluid solver: loose strands in swirling air without wind, clamped ones in 10 m/s, and without air level ones that fall";
 
-/// Loose strands in a closed box.
-const CLOSED: &[&str] = &[
-    "gravity=[0,0,0]",
-    "air.wind=[0,0,0]",
-    "hair.root=free",
-    "hair.roots.center=[0.02,0.055,0.014]",
-    "rods.sleep=false",
-];
-const BLOWN: &[&str] = &["air.wind=[10,0,0]"];
-const FALLING: &[&str] = &["hair.roots.direction=[1,0,0]"];
+/// A scene, and its drive in words.
+type Drive = (&'static str, fn(Coupling) -> Scene);
+
+/// Loose strands in still air.
+const CLOSED: Drive = ("closed box", |coupling| {
+    let mut scene = coupling.tuft(0.0);
+    scene.gravity = [0.0; 3];
+    scene.hair[0].root = End::Free;
+    scene.rods.sleep = false;
+    scene
+});
+const BLOWN: Drive = ("10 m/s", |coupling| coupling.tuft(10.0));
+/// Strands that start level.
+const FALLING: Drive = ("falling", |coupling| {
+    let hair = vec![strands(6, POINTS, LENGTH, roots().toward([1.0, 0.0, 0.0]))];
+    Scene { hair, ..coupling.tuft(WIND) }
+});
 /// Density of a hair \[kg/m³\].
 const DENSITY: f64 = 1320.0;
 /// Hair's mass over its own, mass of a point over that of its neighbours, fibres of a strand; the last setting is two
@@ -57,20 +66,21 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
         Sweep::new("change of momentum in a closed box, of the impulses exchanged", 1e-4, "").over(axis),
         sweep_of_unsolved().over(axis),
     ];
-    for (coupling, keys) in COUPLINGS {
-        let drives: &[(&str, &[&str])] = match coupling {
-            "none" => &[("falling", FALLING)],
-            "drag" => &[("10 m/s", BLOWN)],
-            _ => &[("closed box", CLOSED), ("10 m/s", BLOWN)],
+    for coupling in COUPLINGS {
+        let drives: &[Drive] = match coupling.model {
+            Model::None => &[FALLING],
+            Model::Drag => &[BLOWN],
+            Model::TwoWay | Model::Particles => &[CLOSED, BLOWN],
         };
         for &(heavier, alternating, fibres) in extent.of(MASSES, &MASSES[3..4]) {
-            let asked = [format!("hair.density={}", DENSITY * heavier), format!("hair.fibres_per_strand={fibres}")];
-            let asked = asked.each_ref().map(String::as_str);
+            let fibre = Fibre { density: DENSITY * heavier, fibres_per_strand: fibres, ..Fibre::default() };
             let setting = format!("mass × {heavier:e}, neighbours 1 : {alternating:e}, {fibres} fibres");
             let at = if (alternating, fibres) == (1.0, 1.0) { heavier } else { f64::NAN };
             for (name, drive) in drives {
-                let (felt, drift) = run(gpu, &[keys, drive, &asked], alternating)?;
-                let series = format!("{coupling}, {name}");
+                let mut scene = drive(coupling);
+                scene.hair[0].fibre = fibre;
+                let (felt, drift) = run(gpu, &scene, alternating)?;
+                let series = format!("{}, {name}", coupling.name);
                 all[0].add(&series, felt.at(&setting), at, felt.stretch);
                 all[1].add(&series, felt.at(&setting), f64::NAN, felt.resets);
                 all[3].add(&series, felt.at(&setting), at, felt.unsolved);
@@ -84,9 +94,8 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
 }
 
 /// Run of strands of which every second point is so much lighter, and the change of momentum where nothing is held.
-fn run(gpu: &Gpu, keys: &[&[&str]], lighter: f64) -> Result<(Felt, Option<f64>), Error> {
-    let scene = scene(TUFT, keys)?;
-    let mut initial = InitialState::new(&scene)?;
+fn run(gpu: &Gpu, scene: &Scene, lighter: f64) -> Result<(Felt, Option<f64>), Error> {
+    let mut initial = InitialState::new(scene)?;
     initial.hair.inverse_mass.iter_mut().step_by(2).for_each(|w| *w *= lighter);
     let closed = initial.hair.inverse_mass.iter().all(|w| *w > 0.0);
     if closed {
@@ -96,7 +105,7 @@ fn run(gpu: &Gpu, keys: &[&[&str]], lighter: f64) -> Result<(Felt, Option<f64>),
             *v = SWIRL * DVec3::new(at.y.sin(), at.z.sin(), at.x.sin());
         }
     }
-    let mut simulation = Simulation::with_state(gpu, &scene, initial)?;
+    let mut simulation = Simulation::with_state(gpu, scene, initial)?;
     let mut left = STEPS;
     let mut drift = f64::NAN;
     if closed && simulation.scene().interaction.model == Model::Particles {

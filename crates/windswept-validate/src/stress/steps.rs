@@ -2,8 +2,9 @@
 
 use glam::DVec3;
 use windswept_engine::{Gpu, RunError, Simulation};
+use windswept_scene::{Hair, Model, Roots, Scene};
 
-use super::{COUPLINGS, Extent, LENGTH, TUFT, points, scene, undriven, watch};
+use super::{COUPLINGS, Coupling, Extent, LENGTH, POINTS, WIND, points, undriven, watch};
 use crate::{Error, Sweep, air::farthest};
 
 pub(super) const SWEPT: &str =
@@ -20,14 +21,14 @@ const WATCHED: f64 = 0.1;
 const LOOKS: u64 = 20;
 
 /// Single hairs that start level, damped, so that they rest soon. Viscosities are those of the air, whatever the step.
-const REST: &[&str] = &[
-    "hair.fibres_per_strand=1",
-    "hair.strands=3",
-    "hair.roots.direction=[1.0,0.0,0.0]",
-    "hair.roots.radius=0.004",
-    "rods.damping=80",
-    "viscosity={ kinematic_hair = 4e-3, kinematic_air = 4e-5 }",
-];
+fn resting(coupling: Coupling, wind: f64, step: f64) -> Scene {
+    let mut scene = coupling.tuft(wind);
+    scene.time.step = step;
+    scene.hair = vec![Hair::drawn(3, POINTS, LENGTH, Roots::disc([0.02, 0.055, 0.014], 0.004).toward([1.0, 0.0, 0.0]))];
+    scene.rods.damping = 80.0;
+    (scene.viscosity.kinematic_hair, scene.viscosity.kinematic_air) = (Some(4e-3), Some(4e-5));
+    scene
+}
 
 pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     let mut stretched = Sweep::new("largest stretch", 0.01, "").over("step [ms]");
@@ -35,20 +36,18 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     let mut still = Sweep::new("rest in still air, off that at the farthest other step", 1e-3, "L").over("step [ms]");
     let mut blown = Sweep::new("mean rest in wind, off that at the farthest other step", 1e-3, "L").over("step [ms]");
     let steps = extent.of(&STEPS[..], &[1.38e-3, 8.3e-3]);
-    for (coupling, keys) in extent.of(&COUPLINGS[..], &[COUPLINGS[0], COUPLINGS[2]]) {
-        for (wind, apart) in [("0", &mut still), ("3", &mut blown)] {
-            if wind != "0" && *coupling == "none" {
+    for coupling in extent.of(&COUPLINGS[..], &[COUPLINGS[0], COUPLINGS[2]]) {
+        for (wind, apart) in [(0.0, &mut still), (WIND, &mut blown)] {
+            if wind > 0.0 && coupling.model == Model::None {
                 continue;
             }
             let mut shapes = Vec::new();
             for &step in steps {
-                let asked = [format!("time.step={step}"), format!("air.wind=[{wind},0,0]")];
-                let asked = asked.each_ref().map(String::as_str);
-                let mut simulation = Simulation::new(gpu, &scene(TUFT, &[REST, keys, &asked])?)?;
+                let mut simulation = Simulation::new(gpu, &resting(*coupling, wind, step))?;
                 let count = |time: f64| (time / step).ceil() as u64;
                 let felt = watch(&mut simulation, 1, count(SETTLING), undriven);
                 let setting = felt.at(format!("{} ms, {wind} m/s", 1e3 * step));
-                let series = format!("{coupling}, {wind} m/s");
+                let series = format!("{}, {wind} m/s", coupling.name);
                 let bound = if step > LONG { 0.05 } else { 0.01 };
                 stretched.add(&series, &setting, 1e3 * step, felt.stretch).tolerance = bound;
                 resets.add(&series, &setting, 1e3 * step, felt.resets);
@@ -61,7 +60,7 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
                 let off =
                     others.map(|(other, _, of)| (shape.as_ref().zip(of.as_ref()).map_or(f64::NAN, apart_by), other));
                 let (off, other) = off.reduce(|a, b| if b.0 <= a.0 { a } else { b }).unwrap_or((f64::NAN, step));
-                apart.add(*coupling, format!("{setting}, off {other} ms"), *step, off);
+                apart.add(coupling.name, format!("{setting}, off {other} ms"), *step, off);
             }
         }
     }

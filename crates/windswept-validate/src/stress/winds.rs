@@ -3,7 +3,7 @@
 use glam::DVec3;
 use windswept_engine::{Gpu, Simulation};
 
-use super::{COUPLINGS, Extent, TUFT, scene, sweep_of_unsolved, watch};
+use super::{COUPLINGS, Extent, sweep_of_unsolved, watch};
 use crate::{Error, Sweep};
 
 pub(super) const SWEPT: &str = "winds of 0 to 1000 m/s: steady, on and off every frame, reversed every frame, gusting at 1 kHz; \
@@ -37,20 +37,20 @@ pub(super) fn sweeps(gpu: &Gpu, extent: Extent) -> Result<Vec<Sweep>, Error> {
     let mut resets = Sweep::new("strands reset", 0.0, "");
     let mut unsolved = sweep_of_unsolved().over("wind [m/s]");
     let mut hair = Sweep::new("fastest hair over the largest wind", 1.3, "").over("wind [m/s]");
-    for (coupling, keys) in extent.of(&COUPLINGS[1..], &[COUPLINGS[2], COUPLINGS[5]]) {
+    for coupling in extent.of(&COUPLINGS[1..], &[COUPLINGS[2], COUPLINGS[5]]) {
         for change in extent.of(CHANGES, &CHANGES[2..]) {
             for &wind in extent.of(&WINDS[..], &[30.0, 300.0]) {
                 if wind == 0.0 && change.name != "steady" {
                     continue;
                 }
-                let asked = [format!("time.step={}", change.step), format!("air.wind=[{wind},0,0]")];
-                let asked = asked.each_ref().map(String::as_str);
-                let mut simulation = Simulation::new(gpu, &scene(TUFT, &[keys, &asked])?)?;
+                let mut scene = coupling.tuft(wind);
+                scene.time.step = change.step;
+                let mut simulation = Simulation::new(gpu, &scene)?;
                 let felt = watch(&mut simulation, FRAMES * FRAME, 1, |simulation, step| {
                     let part = (change.part)(step / change.every);
                     if step % change.every == 0 { simulation.set_wind(DVec3::X * wind * part) } else { Ok(()) }
                 });
-                let series = format!("{coupling}, {}", change.name);
+                let series = format!("{}, {}", coupling.name, change.name);
                 let setting = felt.at(format!("{wind} m/s"));
                 stretched.add(&series, &setting, wind, felt.stretch);
                 resets.add(&series, &setting, wind, felt.resets);
