@@ -5,7 +5,7 @@
 mod support;
 
 use glam::{DQuat, DVec3};
-use windswept::{Error, Frame, Simulation};
+use windswept::{Error, Simulation};
 use windswept_scene::*;
 
 /// A tuft with bodies, a jet, bands, and an inflow, in a small box.

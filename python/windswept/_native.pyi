@@ -371,6 +371,15 @@ class Simulation:
         `(bodies, 3)` float64 [kg m/s]; no rows without air particles. The change over a step, divided by it, is the
         force on the body.
         """
+    def set_body(
+        self,
+        name: str,
+        translation: _Array,
+        rotation: _Array | None = None,
+        *,
+        velocity: _Array | None = None,
+        angular_velocity: _Array | None = None,
+    ) -> None: ...
     def set_roots(self, positions: _Array, frames: _Array | None = None) -> None:
         """Where the root of each strand goes in the next step, and stays.
 
@@ -532,6 +541,16 @@ class HairState:
     @property
     def ids(self) -> NDArray[np.int64]:
         """`(strands,)` int64: number of each strand in the groom file that it comes from, or its index."""
+    @property
+    def root_frames(self) -> NDArray[np.float32]: ...
+    @property
+    def drag(self) -> NDArray[np.float32]: ...
+    @property
+    def air_velocity(self) -> NDArray[np.float32]: ...
+    @property
+    def root_force(self) -> NDArray[np.float32]: ...
+    @property
+    def root_moment(self) -> NDArray[np.float32]: ...
 
 @final
 class AirState:
@@ -559,6 +578,7 @@ class AirState:
         """½ |û|² of the first of the scene's turbulence.bands at every particle now [m²/s²]: `(n,)` float32; empty when no
         band is strengthened. See `Simulation.spectrum` for its mean.
         """
+    def sample(self, points: _Array) -> tuple[NDArray[np.float32], NDArray[np.float32]]: ...
 
 @final
 class Followers:

@@ -8,14 +8,14 @@ use std::{
     sync::{Arc, Mutex, atomic::AtomicU64},
 };
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use numpy::{PyArray1, PyArray2, PyArray3, PyArrayMethods};
 use pyo3::{
     PyTraverseError, PyVisit,
     prelude::*,
     types::{PyBytes, PyDict, PyTuple},
 };
-use windswept::{Checkpoint, CheckpointError, RunError};
+use windswept::{Checkpoint, CheckpointError, Pose, RunError};
 use windswept_export::Renderer;
 
 use self::{held::lock, shown::side};
@@ -40,7 +40,7 @@ use crate::{
 ///         frame.time, frame.hair.positions
 ///     sim.report()["max_stretch"]
 ///
-/// SI, right-handed, Y up. Between steps, `set_roots`, `set_pins`, `set_wind`, `set_force`, `set_hair` and `set_air`
+/// SI, right-handed, Y up. Between steps, `set_body`, `set_roots`, `set_pins`, `set_wind`, `set_force`, `set_hair` and `set_air`
 /// drive it; `run` calls back for that. `render` draws it, `VtkHdfWriter` writes it.
 ///
 /// Args:
@@ -304,6 +304,46 @@ impl Simulation {
         let positions: Vec<DVec3> = rows("positions", positions)?.into_iter().map(DVec3::from_array).collect();
         let frames = quaternions(maybe_rows("frames", frames)?);
         self.run_engine(py, |sim| sim.set_roots(&positions, frames.as_deref()))
+    }
+
+    /// Moves a body of the scene: at the end of the next step it has this pose, and keeps it until it is moved again. Hair
+    /// on the body goes with it.
+    ///
+    /// Args:
+    ///     name: of the body.
+    ///     translation: `(3,)` [m], from where the scene has the body.
+    ///     rotation: quaternion x, y, z, w about the body's centre, a mesh's the origin of its file; None: as the scene has it.
+    ///     velocity: `(3,)` [m/s]; with it the body jumps there instead of coming evenly from where it is.
+    ///     angular_velocity: `(3,)` [rad/s], as `velocity`.
+    ///
+    /// Raises:
+    ///     ValueError: there is no such body, or names the argument that does not fit.
+    #[pyo3(signature = (name, translation, rotation=None, *, velocity=None, angular_velocity=None))]
+    fn set_body(
+        &self,
+        py: Python<'_>,
+        name: &str,
+        translation: &Bound<'_, PyAny>,
+        rotation: Option<&Bound<'_, PyAny>>,
+        velocity: Option<&Bound<'_, PyAny>>,
+        angular_velocity: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<()> {
+        let three = |name: &str, value: Option<&Bound<'_, PyAny>>| {
+            value.map(|value| triple(name, value).map(DVec3::from_array)).transpose()
+        };
+        let rotation = rotation.map(|value| {
+            let (numbers, shape) = values("rotation", value, Numbers::Any)?;
+            <[f64; 4]>::try_from(numbers)
+                .map(DQuat::from_array)
+                .map_err(|_| of_value("rotation", format!("expected shape (4,), found {}", shown(&shape))))
+        });
+        let pose = Pose {
+            translation: DVec3::from_array(triple("translation", translation)?),
+            rotation: rotation.transpose()?.unwrap_or_default(),
+        };
+        let velocities = [three("velocity", velocity)?, three("angular_velocity", angular_velocity)?];
+        let velocity = velocities.iter().any(Option::is_some).then(|| velocities.map(Option::unwrap_or_default));
+        self.run_engine(py, |sim| sim.set_body(name, pose, velocity))
     }
 
     /// Pins points of hair to places, in place of all pins before. Each goes there within the next step, and stays.

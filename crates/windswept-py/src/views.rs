@@ -2,11 +2,15 @@
 
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
+use windswept::{HairLoads, glam::DVec3};
 
 use crate::{
-    arrays::{matrix, strand_ids},
+    arrays::{matrix, rows, strand_ids},
     simulation::Simulation,
 };
+
+/// Velocities and densities.
+type Sampled<'py> = (Bound<'py, PyArray2<f32>>, Bound<'py, PyArray1<f32>>);
 
 /// A read-back of which each array is handed out once, without a copy.
 #[derive(Debug, Default)]
@@ -77,9 +81,48 @@ impl HairState {
         Ok(strand_ids(py, &ids, strands))
     }
 
+    /// `(strands, 4)` float32: quaternions x, y, z, w of the frames that clamp the roots.
+    #[getter]
+    fn root_frames<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        matrix(py, self.sim.get().run_engine(py, |sim| sim.frame())?.hair.root_frames)
+    }
+
+    /// `(points, 3)` float32 [N]: force of the air on each point in the last step, drag and lift, of all fibres that the
+    /// strand stands for.
+    #[getter]
+    fn drag<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        matrix(py, self.loads(py)?.drag)
+    }
+
+    /// `(points, 3)` float32 [m/s]: velocity of the air at each point, that its drag was found with. Zero with
+    /// interaction.model particles and none.
+    #[getter]
+    fn air_velocity<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        matrix(py, self.loads(py)?.air_velocity)
+    }
+
+    /// `(strands, 3)` float32 [N]: force of each strand's first segment on its clamp in the last step. Not a number where
+    /// the tip is held too; zero with interaction.model particles.
+    #[getter]
+    fn root_force<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        matrix(py, self.loads(py)?.root_force)
+    }
+
+    /// `(strands, 3)` float32 [N m]: moment of each strand on its clamp, about the root.
+    #[getter]
+    fn root_moment<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
+        matrix(py, self.loads(py)?.root_moment)
+    }
+
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
         let sizes = self.sim.get().engine(py, |sim| sim.engine().sizes())?;
         Ok(format!("<windswept.HairState: {} strands, {} points>", sizes.strands, sizes.hair_points))
+    }
+}
+
+impl HairState {
+    fn loads(&self, py: Python<'_>) -> PyResult<HairLoads> {
+        self.sim.get().run_engine(py, |sim| sim.hair_loads())
     }
 }
 
@@ -180,6 +223,23 @@ impl AirState {
     fn band_energy<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
         let energy = self.sim.get().run_engine(py, |sim| sim.band_energy())?;
         Ok(PyArray1::from_vec(py, energy))
+    }
+
+    /// The air at any places; the periodic box repeats it.
+    ///
+    /// Args:
+    ///     points: `(n, 3)` [m].
+    ///
+    /// Returns:
+    ///     Velocity [m/s], `(n, 3)` float32, the kernel's mean over the particles around, and density [kg/m³], `(n,)` float32.
+    ///
+    /// Raises:
+    ///     ValueError: a point is not finite, or the scene has no air particles.
+    fn sample<'py>(&self, py: Python<'py>, points: &Bound<'py, PyAny>) -> PyResult<Sampled<'py>> {
+        let places: Vec<DVec3> = rows("points", points)?.into_iter().map(DVec3::from_array).collect();
+        let air = self.sim.get().run_engine(py, |sim| sim.sample_air(&places))?;
+        let velocities = air.iter().map(|air| air.velocity.as_vec3().to_array()).collect();
+        Ok((matrix(py, velocities)?, PyArray1::from_iter(py, air.iter().map(|air| air.density as f32))))
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
