@@ -1,7 +1,7 @@
 """Writes what follows from the native module: `windswept/scene.py`, and the docstrings of `windswept/_native.pyi`.
 
     cargo xtask stubs                     # builds the module, then runs this
-    python python/generate.py --check     # says what differs
+    python -I python/generate.py --check  # says what differs
 """
 
 from __future__ import annotations

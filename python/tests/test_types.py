@@ -30,7 +30,7 @@ def test_stubs_are_those_of_the_module(tmp_path):
 
 
 def test_generated_files_are_those_of_the_module():
-    done = python(ROOT / "python/generate.py", "--check")
+    done = python("-I", ROOT / "python/generate.py", "--check")
     assert done.returncode == 0, f"{done.stdout}{done.stderr}run `cargo xtask stubs`"
 
 

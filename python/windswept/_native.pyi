@@ -262,7 +262,7 @@ class Simulation:
             frame.time, frame.hair.positions
         sim.report()["max_stretch"]
 
-    SI, right-handed, Y up. Between steps, `set_roots`, `set_pins`, `set_wind`, `set_force`, `set_hair` and `set_air`
+    SI, right-handed, Y up. Between steps, `set_body`, `set_roots`, `set_pins`, `set_wind`, `set_force`, `set_hair` and `set_air`
     drive it; `run` calls back for that. `render` draws it, `VtkHdfWriter` writes it.
 
     Args:
@@ -379,7 +379,20 @@ class Simulation:
         *,
         velocity: _Array | None = None,
         angular_velocity: _Array | None = None,
-    ) -> None: ...
+    ) -> None:
+        """Moves a body of the scene: at the end of the next step it has this pose, and keeps it until it is moved again. Hair
+        on the body goes with it.
+
+        Args:
+            name: of the body.
+            translation: `(3,)` [m], from where the scene has the body.
+            rotation: quaternion x, y, z, w about the body's centre, a mesh's the origin of its file; None: as the scene has it.
+            velocity: `(3,)` [m/s]; with it the body jumps there instead of coming evenly from where it is.
+            angular_velocity: `(3,)` [rad/s], as `velocity`.
+
+        Raises:
+            ValueError: there is no such body, or names the argument that does not fit.
+        """
     def set_roots(self, positions: _Array, frames: _Array | None = None) -> None:
         """Where the root of each strand goes in the next step, and stays.
 
@@ -542,15 +555,26 @@ class HairState:
     def ids(self) -> NDArray[np.int64]:
         """`(strands,)` int64: number of each strand in the groom file that it comes from, or its index."""
     @property
-    def root_frames(self) -> NDArray[np.float32]: ...
+    def root_frames(self) -> NDArray[np.float32]:
+        """`(strands, 4)` float32: quaternions x, y, z, w of the frames that clamp the roots."""
     @property
-    def drag(self) -> NDArray[np.float32]: ...
+    def drag(self) -> NDArray[np.float32]:
+        """`(points, 3)` float32 [N]: force of the air on each point in the last step, drag and lift, of all fibres that the
+        strand stands for.
+        """
     @property
-    def air_velocity(self) -> NDArray[np.float32]: ...
+    def air_velocity(self) -> NDArray[np.float32]:
+        """`(points, 3)` float32 [m/s]: velocity of the air at each point, that its drag was found with. Zero with
+        interaction.model particles and none.
+        """
     @property
-    def root_force(self) -> NDArray[np.float32]: ...
+    def root_force(self) -> NDArray[np.float32]:
+        """`(strands, 3)` float32 [N]: force of each strand's first segment on its clamp in the last step. Not a number where
+        the tip is held too; zero with interaction.model particles.
+        """
     @property
-    def root_moment(self) -> NDArray[np.float32]: ...
+    def root_moment(self) -> NDArray[np.float32]:
+        """`(strands, 3)` float32 [N m]: moment of each strand on its clamp, about the root."""
 
 @final
 class AirState:
@@ -578,7 +602,18 @@ class AirState:
         """½ |û|² of the first of the scene's turbulence.bands at every particle now [m²/s²]: `(n,)` float32; empty when no
         band is strengthened. See `Simulation.spectrum` for its mean.
         """
-    def sample(self, points: _Array) -> tuple[NDArray[np.float32], NDArray[np.float32]]: ...
+    def sample(self, points: _Array) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """The air at any places; the periodic box repeats it.
+
+        Args:
+            points: `(n, 3)` [m].
+
+        Returns:
+            Velocity [m/s], `(n, 3)` float32, the kernel's mean over the particles around, and density [kg/m³], `(n,)` float32.
+
+        Raises:
+            ValueError: a point is not finite, or the scene has no air particles.
+        """
 
 @final
 class Followers:

@@ -22,7 +22,8 @@ pub(crate) fn provide() -> Result {
 /// `cargo xtask stubs`.
 pub(crate) fn write_stubs() -> Result {
     let python = install("dev")?;
-    run(Command::new(python).current_dir(root()).arg("python/generate.py"))
+    // Isolated: the package is the installed one, not the source beside the program.
+    run(Command::new(python).current_dir(root()).args(["-I", "python/generate.py"]))
 }
 
 /// Builds the wheel and installs it; returns the Python that then imports it.
