@@ -21,7 +21,7 @@ HEAD = '''"""The tables of a scene and their keys, made by `cargo xtask stubs` f
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Literal
 
 from windswept._table import Key, SceneTable, Table, key
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 '''
 KEYS: list[dict[str, Any]] = json.loads(_native._keys())
-TYPES = {"number": "float", "count": "int", "bool": "bool", "text": "str"}
+TYPES = {"number": "float", "count": "int", "bool": "bool", "text": "str", "values": "Mapping[str, object]"}
 #: Tables that every scene has.
 PRESENT = _native.CheckedScene.parse('time = { step = 1.0, duration = 1.0 }\ninteraction.model = "none"').values(False)
 

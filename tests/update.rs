@@ -338,3 +338,84 @@ fn a_wind_that_is_set_drives_eddies() {
     loaded.step(4).unwrap();
     assert!(bits(&set) == bits(&loaded));
 }
+
+/// A change of a scene is an update at its time; the updates of a simulation are changes of the scene that it began with:
+/// all have the same bits.
+#[test]
+fn a_change_is_an_update_at_its_time() {
+    let gpu = support::gpu();
+    let larger =
+        Turbulence { bands: vec![Band { scale: 0.012, strength: 6.0, intensity: 0.5 }], ..Turbulence::default() };
+    let mut updated = Simulation::new(&gpu, &scene()).unwrap();
+    updated.step(4).unwrap();
+    let mut other = scene();
+    (other.gravity, other.turbulence) = ([0.0, -3.0, 1.0], larger);
+    updated.update(&other).unwrap();
+    updated.step(3).unwrap();
+    other.forces.clear();
+    updated.update(&other).unwrap();
+    updated.step(2).unwrap();
+    let recorded = updated.recorded();
+    let keys: Vec<Vec<&str>> =
+        recorded.changes.iter().map(|change| change.set.0.iter().map(|(key, _)| key.as_str()).collect()).collect();
+    assert_eq!(keys, [vec!["gravity", "turbulence"], vec!["force"]]);
+    assert_eq!(updated.report().unwrap().changes, recorded.changes);
+    // As text, as a file has it, in one go and in parts.
+    let read = Scene::parse(&recorded.to_toml()).unwrap();
+    assert_eq!(read, recorded);
+    for parts in [&[9][..], &[2, 5, 2]] {
+        let mut run = Simulation::new(&gpu, &read).unwrap();
+        parts.iter().for_each(|n| run.step(*n).unwrap());
+        assert!(bits(&run) == bits(&updated), "{parts:?}");
+        assert!(run.scene().scene().changes.is_empty() && run.recorded().changes == recorded.changes);
+    }
+}
+
+/// Numbers that take a time go evenly, as of the end of each step, and others at once; a file keeps the way.
+#[test]
+fn a_change_takes_its_time() {
+    let gpu = support::gpu();
+    let text = "[[change]]\ntime = 0.00276\nover = 0.00552\nset = { gravity = [0, -5.81, 4], \"hair.friction\" = 0.7, \"rods.sleep\" = false }\n";
+    let scene = Scene::parse(&format!("{}{text}", scene().to_toml())).unwrap();
+    let mut simulation = Simulation::new(&gpu, &scene).unwrap();
+    for (step, part) in [0.0, 0.0, 0.25, 0.5, 0.75, 1.0, 1.0].into_iter().enumerate() {
+        if step == 4 {
+            let file = tempfile::NamedTempFile::new().unwrap();
+            simulation.save(file.path()).unwrap();
+            let mut loaded = Simulation::load(&gpu, file.path()).unwrap();
+            let mut whole = Simulation::new(&gpu, &scene).unwrap();
+            whole.step(9).unwrap();
+            loaded.step(5).unwrap();
+            assert!(bits(&loaded) == bits(&whole));
+        }
+        simulation.step(1).unwrap();
+        let now = simulation.scene();
+        let off = [
+            now.gravity[1] - (-9.81 + 4.0 * part),
+            now.gravity[2] - 4.0 * part,
+            now.hair[0].friction - (0.3 + 0.4 * part),
+        ];
+        assert!(off.iter().all(|off: &f64| off.abs() < 1e-9), "step {step}: {:?}", now.gravity);
+        assert_eq!(now.rods.sleep, part == 0.0, "step {step}");
+    }
+}
+
+/// A change that no simulation can make is a fault of the scene, by its key.
+#[test]
+fn changes_are_checked() {
+    let text = scene().to_toml();
+    for (changes, words) in [
+        ("[[change]]\ntime = 1\nset = { \"hair.strands\" = 9 }", "hair.strands: expected a key that can change while"),
+        ("[[change]]\ntime = 1\nset = { \"turbulence.scal\" = 0.1 }", "turbulence.scal: unknown key"),
+        ("[[change]]\ntime = 1\nset = { \"turbulence.scale\" = -1 }", "turbulence.scale: expected a length"),
+        ("[[change]]\ntime = 1\nset = 3", "expected a table of keys in quotes and values"),
+        ("[[change]]\nset = { \"turbulence.scale\" = 0.01 }", "time: is missing"),
+        (
+            "[[change]]\ntime = 1\nset = { \"gravity\" = [0, 0, 0] }\n[[change]]\ntime = 0.5\nset = { \"gravity\" = [0, 1, 0] }",
+            "change.1.time: expected a time no earlier",
+        ),
+    ] {
+        let error = Scene::parse(&format!("{text}\n{changes}\n")).and_then(|scene| scene.check()).unwrap_err();
+        assert!(error.to_string().contains(words) && error.key().unwrap().starts_with("change"), "{error}");
+    }
+}

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
-use windswept_scene::Warning;
+use windswept_scene::{Change, Warning};
 
 use crate::{
     error::six_digits,
@@ -88,6 +88,9 @@ pub struct Report {
     /// Strands and air that were reset in the run, with the times; the first thousand. Left out where there were none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub resets: Vec<Reset>,
+    /// Updates of the scene in the run, as changes of it. Left out where there were none.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub changes: Vec<Change>,
     /// Warnings: those about the scene, and those whose cause acted in the run, with how often.
     pub warnings: Vec<Warning>,
 }

@@ -1,6 +1,7 @@
 //! A simulation: a scene on a GPU, stepped, read back, reported.
 
 mod bodies;
+mod changes;
 mod checkpoint;
 mod drive;
 mod energy;
@@ -17,7 +18,7 @@ mod update;
 use std::{collections::BTreeMap, sync::OnceLock, time::Instant};
 
 use glam::{DQuat, DVec3};
-use windswept_scene::{AsChecked, CheckedScene, Counts, Groom, InitialState, Motion};
+use windswept_scene::{AsChecked, Change, CheckedScene, Counts, Groom, InitialState, Motion, Scene};
 use windswept_shaders::common::status::{NON_FINITE_AIR, Status, TOO_MANY_FAILED_STRANDS, UNRECOVERED_STRAND};
 
 pub use checkpoint::Checkpoint;
@@ -63,6 +64,9 @@ pub struct Simulation {
     wind_set: Option<DVec3>,
     /// Motions of the bodies that [`Self::set_body`] has moved, by their indices.
     bodies_set: BTreeMap<usize, Motion>,
+    /// The scene that the simulation began with, and the updates since.
+    began: Scene,
+    updates: Vec<Change>,
     /// The function that says what pushes in each step, where one was set.
     callback: Option<force::Callback>,
     /// Engine steps in the loaded state; 0 for a new run.
@@ -194,6 +198,8 @@ impl Simulation {
             root_frames: initial.hair.root_frame.clone(),
             wind_at_start: scene.air.as_ref().map_or(DVec3::ZERO, |air| DVec3::from_array(air.wind_at(0.0))),
             wind_set: None,
+            began: given.scene().clone(),
+            updates: Vec::new(),
             bodies_set: BTreeMap::new(),
             callback: None,
             first_substep: 0,
@@ -252,14 +258,15 @@ impl Simulation {
         let mut asked = None;
         while u64::from(self.last.step) < goal && !stop() {
             let mut left = goal - u64::from(self.last.step);
-            if self.callback.is_some() {
-                let substep = u64::from(self.last.step) % self.substeps();
-                // Once per step of Δt, also where the step is taken again.
-                if substep == 0 && asked != Some(self.steps) {
-                    self.ask_for_force()?;
-                    asked = Some(self.steps);
-                }
-                left = self.substeps() - substep;
+            let substep = u64::from(self.last.step) % self.substeps();
+            // Once per step of Δt, also where the step is taken again.
+            if substep == 0 && asked != Some(self.steps) {
+                self.make_changes()?;
+                self.ask_for_force()?;
+                asked = Some(self.steps);
+            }
+            if let Some(steps) = if self.callback.is_some() { Some(1) } else { self.steps_to_change() } {
+                left = left.min(steps * self.substeps() - substep);
             }
             let started = Instant::now();
             let before = self.last.step;

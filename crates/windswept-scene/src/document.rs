@@ -9,6 +9,7 @@ use std::{
 use toml_edit::{Document as Toml, Item, TableLike, TomlError, Value};
 
 use crate::{
+    change::Assignments,
     declare::{is_computable, join},
     error::SceneError,
     faults::{At, Faults},
@@ -24,6 +25,7 @@ pub(crate) enum Datum {
     Count(u32),
     Number(f64),
     Vector([f64; 3]),
+    Values(Assignments),
     /// A table, or an array of this many.
     Tables(usize),
     /// A value that the key does not take; its fault is known.
@@ -102,7 +104,12 @@ impl Document {
         let fault = |words: String| at.add(SceneError::new(words).at(&*real, span.clone()));
         let wrong = |found: String| fault(format!("expected {}, found {found}", key.expected()));
         if !matches!(key.kind, Kind::Table | Kind::Tables) {
-            let Item::Value(value) = item else { return wrong(describe(item)) };
+            let table = item.as_table().map(|table| Value::InlineTable(table.clone().into_inline_table()));
+            let value = match (item, &table) {
+                (Item::Value(value), _) => value,
+                (_, Some(table)) if key.kind == Kind::Values => table,
+                _ => return wrong(describe(item)),
+            };
             let Some(datum) = datum(key.kind, value) else {
                 // Not missing as well.
                 self.entries.insert(real.clone(), Entry { datum: Datum::Wrong, span: span.clone() });
@@ -194,6 +201,10 @@ pub(crate) fn datum(kind: Kind, value: &Value) -> Option<Datum> {
         Kind::Choice(words) => {
             value.as_str().filter(|word| words.contains(word)).map(|word| Datum::Text(word.to_owned()))
         }
+        Kind::Values => value.as_inline_table().map(|table| {
+            let text = |value: &Value| value.clone().decorated("", "").to_string();
+            Datum::Values(Assignments(table.iter().map(|(key, value)| (key.to_owned(), text(value))).collect()))
+        }),
         Kind::Table | Kind::Tables => None,
     }
 }

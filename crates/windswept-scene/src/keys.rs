@@ -35,6 +35,8 @@ pub enum Kind {
     Direction,
     /// One of these words.
     Choice(&'static [&'static str]),
+    /// Dotted keys with values.
+    Values,
     /// A table.
     Table,
     /// An array of tables.
@@ -173,6 +175,7 @@ impl Kind {
             Self::Choice(words) => {
                 format!("one of {}", words.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(", "))
             }
+            Self::Values => "a table of keys in quotes and values, { \"air.wind\" = [3, 0, 0] }".to_owned(),
             Self::Table => "a table".to_owned(),
             Self::Tables => "a table or an array of tables".to_owned(),
         }

@@ -9,6 +9,7 @@ mod assign;
 mod atomic;
 mod body;
 mod box_fit;
+mod change;
 mod counts;
 mod curves;
 mod declare;
@@ -44,6 +45,7 @@ mod write;
 
 pub use atomic::{AtomicFile, remove};
 pub use body::{Body, Capsule, CheckedBody, CheckedShape, Round, Shape, Sphere};
+pub use change::{Assignments, Change, is_fixed};
 pub use counts::Counts;
 pub use curves::{Curves, Dropped, GroomFormat, npy_head};
 pub use error::{SceneError, spelled};

@@ -21,6 +21,7 @@ use std::{borrow::Cow, collections::HashSet, f64::consts::PI, ops::Deref, path::
 
 use crate::{
     body::{Body, CheckedBody},
+    change::Change,
     declare::{Field, Row, Written, table, words},
     error::SceneError,
     faults::At,
@@ -85,6 +86,8 @@ table! {
         camera: Camera = Table, "", Derived("its defaults");
         /// Contents of pictures.
         picture: Picture = Table, "", Derived("its defaults");
+        /// Values that change while the scene runs; several as `[[change]]`.
+        changes as "change": Vec<Change> = Tables, "", Derived("no changes");
     }
     and before the check {
         /// Text that the scene was read from.
@@ -449,6 +452,7 @@ impl Scene {
             rods: Rods::default(),
             camera: Camera::default(),
             picture: Picture::default(),
+            changes: Vec::new(),
             source: Source::default(),
         }
     }
@@ -517,5 +521,6 @@ impl Scene {
         checked.check_bodies(at);
         checked.check_picture(at);
         checked.move_roots_with_bodies(at);
+        self.check_changes(at);
     }
 }

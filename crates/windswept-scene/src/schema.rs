@@ -57,6 +57,7 @@ fn of(key: &Key) -> Value {
             json!({ "type": "array", "items": { "type": "number" }, "minItems": 3, "maxItems": 3 })
         }
         Kind::Choice(words) => json!({ "enum": words }),
+        Kind::Values => json!({ "type": "object" }),
         Kind::Table => return table(&key.path, &help),
         Kind::Tables => {
             let table = table(&key.path, &help);

@@ -12,7 +12,7 @@ use std::{
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use windswept_scene::limits::FASTEST_WIND;
-use windswept_scene::{AtomicFile, CheckedScene, InitialState, Keyframe, Motion, Scene, Warning};
+use windswept_scene::{AtomicFile, Change, CheckedScene, InitialState, Keyframe, Motion, Scene, Warning};
 use windswept_shaders::common::rod::{Root, StrandHistory};
 
 use super::{
@@ -114,6 +114,9 @@ struct Driven {
     wind: Option<DVec3>,
     /// Speed of the law of turbulence, which a wind that was set has raised \[m/s\].
     speed: f64,
+    /// Text of the scene that the simulation began with, and the updates since.
+    began: String,
+    updates: Vec<Change>,
     /// Motions that were set, by the bodies' indices.
     bodies: BTreeMap<usize, Motion>,
     /// Whether a force that was set pushes hair and air.
@@ -292,6 +295,8 @@ impl Checkpoint {
         simulation.steps = u64::from(simulation.first_substep) / simulation.substeps();
         simulation.root_frames = driven.root_frames;
         simulation.resets = driven.resets;
+        simulation.began = Scene::parse(&driven.began).map_err(|error| invalid(&file, error.to_string()))?;
+        simulation.updates = driven.updates;
         simulation.files = OnceLock::from(files);
         if let Some(wind) = driven.wind {
             simulation.plan_wind(wind).map_err(failed)?;
@@ -366,6 +371,8 @@ impl Simulation {
         let driven = Driven {
             root_frames: self.root_frames.clone(),
             wind: self.wind_set,
+            began: self.began.text_now(),
+            updates: self.updates.clone(),
             speed: self.scene.turbulence.speed,
             bodies: self.bodies_set.clone(),
             pushes: self.plan.conditions.pushes.runs,

@@ -66,6 +66,7 @@ impl Simulation {
             band_energy: self.band_energies()?,
             memory_bytes: self.engine.memory_bytes(),
             resets: self.resets.clone(),
+            changes: self.updates.clone(),
             warnings: self.warnings(),
         })
     }

@@ -1,56 +1,11 @@
 //! A simulation that goes on with another scene.
 
-use windswept_scene::{AsChecked, CheckedScene, InitialState};
+use std::borrow::Cow;
+
+use windswept_scene::{AsChecked, CheckedScene, InitialState, Scene, is_fixed};
 
 use super::{Origin, Simulation};
 use crate::error::{Error, GpuError};
-
-/// Keys, without indices and names, whose values a simulation keeps: they say what there is, or where it starts, or by
-/// which steps and solvers it goes.
-const FIXED: &[&str] = &[
-    "method",
-    "seed",
-    "time.step",
-    "time.substeps",
-    "hair.name",
-    "hair.strands",
-    "hair.points",
-    "hair.length",
-    "hair.length_variation",
-    "hair.curl",
-    "hair.curl_phase",
-    "hair.roots",
-    "hair.file",
-    "hair.scale",
-    "hair.up",
-    "hair.rest",
-    "hair.file_radius",
-    "hair.file_guides",
-    "hair.points_per_strand",
-    "hair.root",
-    "hair.tip",
-    "hair.seed",
-    "body.name",
-    "body.shape",
-    "body.center",
-    "body.start",
-    "body.end",
-    "body.radius",
-    "body.file",
-    "body.scale",
-    "body.up",
-    "body.resolution",
-    "air.box",
-    "air.margin",
-    "air.rest_density",
-    "air.particle_mass",
-    "air.jitter",
-    "air.seed",
-    "interaction.model",
-    "fluid.solver",
-    "rods.solver",
-    "rods.integrator",
-];
 
 impl Simulation {
     /// Goes on with another scene from the next step on. The state stays as it is, and so do roots, pins, bodies and a force
@@ -62,35 +17,37 @@ impl Simulation {
     /// of fibres, keyframes of hair and bodies, camera and picture may differ; what there is may not. The buffers on
     /// the device are made anew: [`Self::buffers`] are others afterwards, and both exist for a moment.
     ///
+    /// The update is kept as a change of the scene, which [`Self::recorded`] has. Changes that the simulation's own scene
+    /// still has to make stay; those of the other scene are not looked at.
+    ///
     /// # Errors
     /// [`Error::Scene`] for a scene with faults, and with the key of a value that a simulation keeps, such as
     /// `hair.strands`; [`Error::Gpu`] where the new buffers do not fit the adapter. The simulation is as it was before.
     pub fn update(&mut self, scene: &impl AsChecked) -> Result<(), Error> {
-        let scene = scene.as_checked()?;
+        let mut scene = scene.as_checked()?;
+        if scene.scene().changes != self.given.scene().changes {
+            let changes = self.given.scene().changes.clone();
+            scene = Cow::Owned(Scene { changes, ..scene.scene().clone() }.check()?);
+        }
         let changed = self.scene.scene().changed(scene.scene());
-        let is_fixed = |key: &&String| {
-            let path: Vec<&str> = key.split('.').filter(|name| name.parse::<usize>().is_err()).collect();
-            let path = path.join(".");
-            let of =
-                |fixed: &&str| path.strip_prefix(*fixed).is_some_and(|rest| rest.is_empty() || rest.starts_with('.'));
-            // A table that comes or goes.
-            ["hair", "body", "air"].contains(&&*path) || FIXED.iter().any(of)
-        };
-        if let Some(key) = changed.iter().find(is_fixed) {
+        if let Some(key) = changed.iter().find(|key| is_fixed(key)) {
             let words = "expected the value that the simulation began with: start another simulation to change it";
             return Err(Error::Scene(self.scene.scene().fault(key, words)));
         }
         if changed.is_empty() {
             return Ok(());
         }
+        let change = self.given.scene().change_to(scene.scene(), self.time());
         let next = self.with_scene(&scene, &changed)?;
         self.go_on_as(next);
+        self.updates.push(change);
         Ok(())
     }
 
     /// Goes on as another simulation of the same state.
     pub(super) fn go_on_as(&mut self, mut next: Self) {
         (next.callback, next.trace) = (self.callback.take(), self.trace.take());
+        (next.began, next.updates) = (self.began.clone(), std::mem::take(&mut self.updates));
         *self = next;
     }
 
