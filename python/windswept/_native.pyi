@@ -323,6 +323,7 @@ class Simulation:
         """The scene as it runs: without its [hair] where a groom replaced it, with the wind that `set_wind` set. A
         copy: `update` takes a changed one.
         """
+    def recorded(self) -> Scene: ...
     @property
     def adapter(self) -> str:
         """The adapter that runs it: name, backend, driver, kind."""

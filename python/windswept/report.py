@@ -73,6 +73,30 @@ class BodyImpulse(TypedDict):
     """Impulse that the air has given it in the run, by pressure and friction."""
 
 
+class Warning(TypedDict):
+    """A warning: the scene is valid, or the run goes on, but it may not do as expected."""
+
+    code: str
+    """Kind of the warning: `unread_key`, `strand_reset`."""
+    key: str
+    """Key or table of the scene that it is about; empty where it is about none."""
+    text: str
+    """The warning in words."""
+    count: int
+    """How often its cause acted in the run; 0 for a warning about the scene."""
+
+
+class Changed(TypedDict):
+    """An update of the scene in the run, as one of `[[change]]`."""
+
+    time: float
+    """Time of the update [s]."""
+    over: float
+    """0: at once."""
+    set: list[list[str]]
+    """Dotted keys, each with its value as TOML."""
+
+
 class Reset(TypedDict):
     """Strands or air that were reset because a value was not finite or too large."""
 
@@ -106,6 +130,8 @@ class _Measured(TypedDict, total=False):
     """Commit that windswept was built from."""
     failure: Failure
     """Why the run ended before its time; in `report.json` alone."""
+    changes: list[Changed]
+    """Updates of the scene in the run."""
     ms_per_step: float
     """Median wall time of a step, the first excluded."""
     ms_first_step: float
@@ -161,5 +187,5 @@ class Report(_Measured):
     """Momentum Σ m v of hair and air, without clamped roots."""
     memory_bytes: int
     """Size of the engine's buffers."""
-    warnings: dict[str, int]
-    """How often each cause of a warning acted."""
+    warnings: list[Warning]
+    """Warnings about the scene, and those whose cause acted in the run."""

@@ -195,6 +195,11 @@ impl Simulation {
         parsed(py, &self.engine(py, |sim| sim.scene().text().to_owned())?)
     }
 
+    /// The scene that the simulation began with, with each `update` since as a `Change`: a run of it goes the same way.
+    fn recorded<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        parsed(py, &self.engine(py, |sim| sim.recorded().to_toml())?)
+    }
+
     /// The adapter that runs it: name, backend, driver, kind.
     #[getter]
     fn adapter(&self, py: Python<'_>) -> PyResult<String> {
