@@ -323,7 +323,8 @@ class Simulation:
         """The scene as it runs: without its [hair] where a groom replaced it, with the wind that `set_wind` set. A
         copy: `update` takes a changed one.
         """
-    def recorded(self) -> Scene: ...
+    def recorded(self) -> Scene:
+        """The scene that the simulation began with, with each `update` since as a `Change`: a run of it goes the same way."""
     @property
     def adapter(self) -> str:
         """The adapter that runs it: name, backend, driver, kind."""

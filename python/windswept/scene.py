@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Literal
 
 from windswept._table import Key, SceneTable, Table, key
@@ -19,6 +19,7 @@ __all__ = [
     "Camera",
     "Cap",
     "Capsule",
+    "Change",
     "Curl",
     "DirectFilter",
     "Disc",
@@ -715,6 +716,25 @@ class Picture(Table):
     """Colour of the air particles, or none of them. One of "none", "vorticity", "band_energy". Default "none"."""
 
 
+class Change(Table):
+    """Values that change while the scene runs; several as [[change]]: `[change]`."""
+
+    _path = "change"
+
+    time: Key[float, float] = key()
+    """Time from which the values hold, in the first step that begins then; no earlier than that of the change before. A
+    number of at least 0 [s]. Needed.
+    """
+    over: Key[float, float] = key(default=0.0)
+    """Time that numbers take from their values before to the new ones, evenly; 0: at once. A number of at least 0 [s].
+    Default 0.0.
+    """
+    set: Key[Mapping[str, object], Mapping[str, object]] = key()
+    """Keys and their new values: dotted keys in quotes, as those of --set. A table of keys in quotes and values, {
+    "air.wind" = [3, 0, 0] }. Needed.
+    """
+
+
 class Scene(SceneTable):
     """A scene: what to simulate, in SI; `windswept.Simulation` runs it."""
 
@@ -756,3 +776,5 @@ class Scene(SceneTable):
     """Camera that pictures are taken with. Without it: its defaults."""
     picture: Key[Picture, Picture] = key(factory=Picture, of=Picture, kind="table")
     """Contents of pictures. Without it: its defaults."""
+    change: Key[list[Change], Change | Sequence[Change]] = key(factory=list, of=Change, kind="tables")
+    """Values that change while the scene runs; several as [[change]]. Without it: no changes."""
