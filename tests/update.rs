@@ -419,3 +419,63 @@ fn changes_are_checked() {
         assert!(error.to_string().contains(words) && error.key().unwrap().starts_with("change"), "{error}");
     }
 }
+
+/// A strand that sleeps wakes where a change acts on it, and where a body jumps onto it.
+#[test]
+fn sleeping_hair_wakes() {
+    let gpu = support::gpu();
+    let mut scene = Scene::new(Time::new(2e-3, 1.0));
+    scene.interaction.model = Some(Model::None);
+    scene.rods.damping = 40.0;
+    scene.hair = vec![Hair::drawn(1, 9, 0.05, Roots::disc([0.0; 3], 0.01).toward([1.0, 0.0, 0.0]))];
+    scene.bodies = vec![Body::sphere([0.04, 0.2, 0.0], 0.01).named("ball")];
+    let asleep = || {
+        let mut simulation = Simulation::new(&gpu, &scene).unwrap();
+        simulation.step(1500).unwrap();
+        let strand_steps =
+            |simulation: &mut Simulation| simulation.report().unwrap().strand_steps.unwrap()["sleeping_steps"];
+        assert!(strand_steps(&mut simulation) > 0, "the strand does not sleep");
+        simulation
+    };
+    let tip = |simulation: &Simulation| DVec3::from_array(simulation.frame().unwrap().hair.positions[8].map(f64::from));
+    let mut weightless = asleep();
+    let before = tip(&weightless);
+    weightless.update(&Scene { gravity: [0.0; 3], ..scene.clone() }).unwrap();
+    weightless.step(400).unwrap();
+    assert!(tip(&weightless).y > before.y + 1e-4 && tip(&weightless).y.abs() < 2e-5, "{before} {}", tip(&weightless));
+    let mut struck = asleep();
+    let place = before + DVec3::new(0.0, -0.004, 0.0);
+    let pose = Pose { translation: place - DVec3::new(0.04, 0.2, 0.0), ..Pose::default() };
+    struck.set_body("ball", pose, Some([DVec3::ZERO; 2])).unwrap();
+    struck.step(400).unwrap();
+    let inside = struck.frame().unwrap().hair.positions.into_iter().skip(1);
+    let nearest = inside.map(|x| DVec3::from_array(x.map(f64::from)).distance(place)).fold(f64::INFINITY, f64::min);
+    assert!(nearest > 0.0099, "{nearest}");
+    // The ball holds the strand as well as its clamp does.
+    assert!(struck.hair_loads().unwrap().root_force[0][0].is_nan());
+}
+
+/// An update before the first step keeps a pin, and one of a body's keyframes moves a body that was set.
+#[test]
+fn updates_keep_or_replace_what_was_set() {
+    let gpu = support::gpu();
+    let mut simulation = Simulation::new(&gpu, &scene()).unwrap();
+    let place = DVec3::new(0.06, 0.03, 0.025);
+    simulation.set_pins(&[3], &[place]).unwrap();
+    let titled = Scene { title: "pinned".to_owned(), gravity: [0.0, -1.0, 0.0], ..scene() };
+    simulation.update(&titled).unwrap();
+    simulation.step(30).unwrap();
+    let pinned = DVec3::from_array(simulation.frame().unwrap().hair.positions[3].map(f64::from));
+    assert!(pinned.distance(place) < 2e-4, "{pinned}");
+    let loads = simulation.hair_loads().unwrap();
+    assert!(loads.root_force[0][0].is_nan() && loads.root_force[1][0].is_finite());
+    simulation.set_body("ball", Pose { translation: DVec3::X * 0.001, ..Pose::default() }, None).unwrap();
+    simulation.step(1).unwrap();
+    let mut moving = titled.clone();
+    let far = Keyframe { translation: [0.0, 0.0, 0.005], ..Keyframe::new(0.0) };
+    moving.bodies[0].motion = Motion { keyframes: vec![far] };
+    simulation.update(&moving).unwrap();
+    assert_eq!(simulation.frame().unwrap().bodies[0].translation, DVec3::new(0.0, 0.0, 0.005));
+    let error = simulation.hair_loads().unwrap_err().to_string();
+    assert!(error.contains("expected a step since the last update"), "{error}");
+}

@@ -271,6 +271,8 @@ def _simulate(job: _Job) -> _Result:
             if every and sim.steps >= saved + every:
                 sim.save(path)
                 saved = sim.steps
+        # The last frame may be before the end.
+        sim.step(max(round(sim.scene.time.duration / sim.dt) - sim.steps, 0))
         if film:
             film.close()
         if job.picture:

@@ -13,7 +13,12 @@ use glam::DVec3;
 use windswept_scene::{CheckedScene, InitialState, Strands, limits::MAX_BUCKETS};
 use windswept_shaders::{
     common::{
-        dispatch::WORKGROUP, lanes::LANES, list::PAGES, params::Params, pressure::Pressed, rod::Condition,
+        dispatch::WORKGROUP,
+        lanes::LANES,
+        list::PAGES,
+        params::Params,
+        pressure::Pressed,
+        rod::{Condition, SLEEPS},
         status::Status,
     },
     forcing::RESET,
@@ -146,6 +151,14 @@ impl Engine {
         let mut strands = self.read(&self.state.strand_history)?;
         strands.iter_mut().for_each(|strand| strand.condition = Condition::default());
         self.write(&self.state.strand_history, &strands)
+    }
+
+    /// Lets strands that sleep go on in the next step as those that are awake.
+    pub(crate) fn rouse(&self) -> Result<(), GpuError> {
+        let mut strands = self.read(&self.state.strand_history)?;
+        let sleeping = strands.iter_mut().filter(|strand| strand.condition.resting == SLEEPS);
+        sleeping.for_each(|strand| strand.condition.resting = 0);
+        self.memory.write(&self.gpu, &self.state.strand_history, 0, &strands)
     }
 
     /// Writes hair where it stands, as if it had come there with its velocities. Pressure on it starts anew.

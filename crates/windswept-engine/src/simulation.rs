@@ -67,6 +67,10 @@ pub struct Simulation {
     /// The scene that the simulation began with, and the updates since.
     began: Scene,
     updates: Vec<Change>,
+    /// Whether a caller has set something of the state.
+    was_set: bool,
+    /// Whether the loads on hair are those of the last step.
+    has_loads: bool,
     /// The function that says what pushes in each step, where one was set.
     callback: Option<force::Callback>,
     /// Engine steps in the loaded state; 0 for a new run.
@@ -198,6 +202,8 @@ impl Simulation {
             root_frames: initial.hair.root_frame.clone(),
             wind_at_start: scene.air.as_ref().map_or(DVec3::ZERO, |air| DVec3::from_array(air.wind_at(0.0))),
             wind_set: None,
+            was_set: false,
+            has_loads: false,
             began: given.scene().clone(),
             updates: Vec::new(),
             bodies_set: BTreeMap::new(),
@@ -277,6 +283,7 @@ impl Simulation {
                 None
             };
             self.finish_steps()?;
+            self.has_loads = true;
             self.record_time(started.elapsed().as_secs_f64() * 1e3, before, timed.is_some());
             // A step that froze was done in part.
             if let Some((profile, spans)) = timed.filter(|_| self.last.step > before) {

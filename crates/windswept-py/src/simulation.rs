@@ -311,13 +311,14 @@ impl Simulation {
         self.run_engine(py, |sim| sim.set_roots(&positions, frames.as_deref()))
     }
 
-    /// Moves a body of the scene: at the end of the next step it has this pose, and keeps it until it is moved again. Hair
-    /// on the body goes with it.
+    /// Moves a body of the scene, in place of its keyframes: at the end of the next step it has this pose, and keeps it
+    /// until it is moved again. Hair on the body goes with it.
     ///
     /// Args:
     ///     name: of the body.
-    ///     translation: `(3,)` [m], from where the scene has the body.
-    ///     rotation: quaternion x, y, z, w about the body's centre, a mesh's the origin of its file; None: as the scene has it.
+    ///     translation: `(3,)` [m], at most 1e18, from where the scene has the body without a motion.
+    ///     rotation: quaternion x, y, z, w of a length above 1e-6, about the body's centre, a mesh's the origin of its file;
+    ///         None: none.
     ///     velocity: `(3,)` [m/s]; with it the body jumps there instead of coming evenly from where it is.
     ///     angular_velocity: `(3,)` [rad/s], as `velocity`.
     ///
@@ -399,6 +400,9 @@ impl Simulation {
     /// is now the values are those of a new simulation. Roots, pins and a force that were set stay, and so does a wind
     /// that was set, unless the scene's wind changes.
     ///
+    /// Changes go on top of a scene that is given. Buffers on the device are made anew, strands that sleep wake, and new
+    /// warnings are `UserWarning`s.
+    ///
     /// Raises:
     ///     SceneError: a fault of the scene, or the key of a value that a simulation keeps.
     #[pyo3(signature = (scene=None, /, **changes))]
@@ -413,7 +417,12 @@ impl Simulation {
             next = next.call_method("replace", (), changes)?;
         }
         let next = checked(&next)?;
-        self.engine(py, |sim| sim.update(&next.inner))?.map_err(|error| of_start(py, &error))?;
+        let made = self.engine(py, |sim| {
+            let before = sim.warnings();
+            sim.update(&next.inner)?;
+            Ok(sim.warnings().into_iter().filter(|warning| !before.contains(warning)).collect::<Vec<_>>())
+        })?;
+        warn(py, made.map_err(|error: windswept::Error| of_start(py, &error))?)?;
         // The camera may be another one.
         lock(&self.renderer).take();
         Ok(())

@@ -101,14 +101,19 @@ impl HairState {
         matrix(py, self.loads(py)?.air_velocity)
     }
 
-    /// `(strands, 3)` float32 [N]: force of each strand's first segment on its clamp in the last step. Not a number where
-    /// the tip is held too; zero with interaction.model particles.
+    /// `(strands, 3)` float32 [N]: force of each strand's first segment on its clamp in the last step, with the pressure of
+    /// other strands in it. Not a number where something else holds the strand too: a held tip, a pin, a body that it
+    /// touches; zero with interaction.model particles.
+    ///
+    /// Raises:
+    ///     RunError: there was no step since an update, a load, or a force that was set; so for drag and the others.
     #[getter]
     fn root_force<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
         matrix(py, self.loads(py)?.root_force)
     }
 
-    /// `(strands, 3)` float32 [N m]: moment of each strand on its clamp, about the root.
+    /// `(strands, 3)` float32 [N m]: moment of each strand on its clamp, about the root; not a number, and zero, where
+    /// `root_force` is.
     #[getter]
     fn root_moment<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
         matrix(py, self.loads(py)?.root_moment)

@@ -173,28 +173,17 @@ impl Scene {
         named().unwrap_or_else(|| path.to_owned())
     }
 
-    /// Real paths of the keys that the scene gives: those that its text spells, else those that have another value than
-    /// their default.
+    /// Real paths of the keys that the scene gives another value than their default.
     pub(crate) fn given(&self) -> Vec<String> {
-        let entries = |text: &str| Document::parse(text, None, &Faults::default()).unwrap_or_default().entries;
-        let is_leaf = |entry: &Entry| !matches!(entry.datum, Datum::Tables(_));
-        if self.is_as_read() {
-            return entries(self.text())
-                .into_iter()
-                .filter(|(_, entry)| is_leaf(entry))
-                .map(|(path, _)| path)
-                .collect();
-        }
         let is_default = |path: &str, entry: &Entry| {
             let names: Vec<&str> = path.split('.').filter(|name| name.parse::<usize>().is_err()).collect();
             let key = Key::find(&names.join("."))?;
             let default = key.default_of(self.method == Method::Accurate)?.parse().ok()?;
             Some(datum(key.kind, &default)? == entry.datum)
         };
-        let all = entries(&self.to_toml()).into_iter();
-        all.filter(|(path, entry)| is_leaf(entry) && is_default(path, entry) != Some(true))
-            .map(|(path, _)| path)
-            .collect()
+        let all = Document::parse(&self.to_toml(), None, &Faults::default()).unwrap_or_default().entries.into_iter();
+        let leaves = all.filter(|(_, entry)| !matches!(entry.datum, Datum::Tables(_)));
+        leaves.filter(|(path, entry)| is_default(path, entry) != Some(true)).map(|(path, _)| path).collect()
     }
 
     /// An error that was found after the scene was checked, with the file and the line that spell its key, or the

@@ -14,7 +14,7 @@ use crate::{
     limits::MAX_REPEATS,
     scene::{Bounds, CheckedAir, CheckedScene, FluidSolver, Hair, Law, Model, SceneValues, Solver},
     solid,
-    strands::Strands,
+    strands::{End, Strands},
     units::with_scale,
 };
 
@@ -84,7 +84,7 @@ impl fmt::Display for Warning {
     }
 }
 
-/// A key that a scene gives, and what decides whether it is read.
+/// A key that a scene gives, with the scene and the group of strands that read it.
 struct Given<'a> {
     scene: &'a CheckedScene,
     hair: &'a Strands,
@@ -131,11 +131,18 @@ const UNREAD: &[(&[&str], Unread)] = &[
         let one_fluid = given.scene.interaction.model == Model::Particles;
         (pressure_alone && one_fluid).then_some("a pressure acts on hair as on air")
     }),
+    (&["fluid.iterations", "fluid.relaxation"], |given| {
+        let alone = given.hair.is_empty() && given.scene.fluid.solver == FluidSolver::Divergence;
+        alone.then_some("the scene has no hair, whose density the constraint keeps")
+    }),
+    (&["hair.motion"], |given| (given.group?.root == End::Free).then_some("the roots are free")),
     (&["fluid.relaxation"], |given| (given.scene.fluid.iterations == 0).then_some("fluid.iterations is 0")),
     (&["air.fringe", "air.ramp", "air.inflow"], |given| {
-        given.scene.air.as_ref().is_some_and(CheckedAir::is_still).then_some("air.wind is zero")
+        given.scene.air.as_ref().is_some_and(CheckedAir::is_still).then_some("nothing enters while air.wind is zero")
     }),
-    (&["turbulence"], |given| given.scene.turbulence.bands.is_empty().then_some("there is no band of eddies")),
+    (&["turbulence.speed", "turbulence.law", "turbulence.conserve_momentum"], |given| {
+        given.scene.turbulence.bands.is_empty().then_some("there is no band of eddies")
+    }),
     (&["turbulence.speed", "turbulence.bands.intensity"], |given| {
         (given.scene.turbulence.law == Law::Published).then_some("turbulence.law is published, which has no speed")
     }),

@@ -260,17 +260,20 @@ fn unread_keys_are_named() {
             ],
         ),
         (
-            &["fluid={solver='pbf',pressure_iterations=3,coarse=true}"],
+            &["fluid={solver='pbf',pressure_iterations=3,coarse=false}"],
             &[("fluid.coarse", "fluid.solver is pbf"), ("fluid.pressure_iterations", "fluid.solver is pbf")],
         ),
         (&["rods={iterations=3}"], &[("rods.iterations", "rods.solver is direct")]),
         (&["rods={solver='gauss-seidel',newton=3}"], &[("rods.newton", "rods.solver is gauss-seidel")]),
         (
             &["air.wind=[0,0,0]", "air.ramp=1", "air.inflow={scale=0.006,intensity=0.3}"],
-            &[("air.inflow", "air.wind is zero"), ("air.ramp", "air.wind is zero")],
+            &[
+                ("air.inflow", "nothing enters while air.wind is zero"),
+                ("air.ramp", "nothing enters while air.wind is zero"),
+            ],
         ),
-        (&["turbulence={law='band'}"], &[("turbulence", "there is no band of eddies")]),
-        (&["viscosity={hair=0,air=0,smagorinsky=0,form='limited'}"], &[("viscosity.form", "nothing is viscous")]),
+        (&["turbulence={speed=3}"], &[("turbulence.speed", "there is no band of eddies")]),
+        (&["viscosity={hair=0,air=0,smagorinsky=0,form='published'}"], &[("viscosity.form", "nothing is viscous")]),
         (
             &["hair.curl_phase=0.5", "air.skin_friction=0.2"],
             &[("air.skin_friction", "the scene has no bodies"), ("hair.curl_phase", "the strands have no curl")],

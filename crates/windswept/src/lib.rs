@@ -10,8 +10,10 @@
 //!   ([`Simulation::with_groom`]).
 //! * **Step.** [`Simulation::step`] runs steps and waits for them; [`Simulation::encode_steps`] and
 //!   [`Simulation::finish_steps`] put them into the program's own command encoder. [`Simulation::update`],
-//!   [`Simulation::set_roots`], [`Simulation::set_wind`] and [`Simulation::set_force`] change it between steps.
-//! * **Read.** [`Simulation::frame`] is the state as arrays, [`Simulation::report`] what ran, how fast and how well.
+//!   [`Simulation::set_body`], [`Simulation::set_roots`], [`Simulation::set_pins`], [`Simulation::set_wind`] and
+//!   [`Simulation::set_force`] change it between steps.
+//! * **Read.** [`Simulation::frame`] is the state as arrays, [`Simulation::hair_loads`] the forces on hair,
+//!   [`Simulation::sample_air`] the air anywhere, [`Simulation::report`] what ran, how fast and how well.
 //! * **Keep.** [`Simulation::save`] writes all that lasts from step to step into a file, [`Simulation::load`] goes on
 //!   from it with the same bits.
 //! * **Draw.** [`export::Renderer`] draws pictures, and [`export::Recording`] writes films (feature `export`, on by

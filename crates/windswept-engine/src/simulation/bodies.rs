@@ -30,7 +30,10 @@ impl Simulation {
             return Err(RunError::Input(format!("name: expected a body of the scene, found \"{name}\": {known}")));
         };
         if !is_rotation(&pose.rotation) {
-            return Err(RunError::Input("rotation: expected one, found numbers without a length".to_owned()));
+            return Err(RunError::Input(format!(
+                "rotation: expected a quaternion of a length above 1e-6, found {:?}",
+                pose.rotation.to_array()
+            )));
         }
         let numbers = [("translation", pose.translation)].into_iter();
         let numbers =
@@ -58,6 +61,10 @@ impl Simulation {
         let at_start = (now > 0.0).then(|| keyframe(0.0, start));
         let keyframes = at_start.into_iter().chain([keyframe(now, before), keyframe(now + step, pose)]);
         self.set_motion(body, Motion { keyframes: keyframes.collect() })?;
+        if velocity.is_some() {
+            // A jump wakes no hair by itself.
+            self.engine.rouse()?;
+        }
         Ok(())
     }
 
@@ -69,6 +76,7 @@ impl Simulation {
             values.bodies[body].motion = motion.clone();
         });
         self.bodies_set.insert(body, motion);
+        self.was_set = true;
         self.engine.write_motions(&self.given, &self.initial, &Motions::new(&self.scene))
     }
 }

@@ -30,7 +30,9 @@ impl Simulation {
         let input = |what: String| Err(RunError::Input(what));
         let strands = self.initial.hair.len();
         if self.scene.hair.iter().any(|hair| !hair.motion.keyframes.is_empty()) {
-            return input("roots: the scene's hair.motion moves them: expected a scene without".to_owned());
+            return input(
+                "roots: hair.motion moves them, or the body that they are on: expected hair without".to_owned(),
+            );
         }
         if positions.len() != strands {
             return input(format!("positions: expected {strands} rows, one per strand, found {}", positions.len()));
@@ -48,6 +50,7 @@ impl Simulation {
         let origin = self.initial.origin;
         let rows = positions.iter().zip(&self.root_frames);
         let targets: Vec<_> = rows.map(|(x, frame)| rods::root(*x - origin, *frame)).collect();
+        self.was_set = true;
         Ok(self.engine.write(&self.engine.state().root_targets, &targets)?)
     }
 
@@ -88,6 +91,7 @@ impl Simulation {
             }
             pins[point] = rods::pin(*place - self.initial.origin);
         }
+        self.was_set = true;
         Ok(self.engine.write(&self.engine.state().pins, &pins)?)
     }
 
@@ -137,7 +141,7 @@ impl Simulation {
                 (air.wind, air.ramp, air.gust) = (wind.to_array(), 0.0, Vec::new());
             }
         });
-        self.wind_set = Some(wind);
+        (self.wind_set, self.was_set) = (Some(wind), true);
         if self.plan.set_wind(wind != DVec3::ZERO) {
             self.record_again()?;
         }
@@ -212,6 +216,7 @@ impl Simulation {
         }
         self.engine.write_hair(&hair, origin)?;
         self.engine.wake()?;
+        self.was_set = true;
         if self.last.step == 0 {
             // Before the first step this is the hair that the run starts from.
             self.initial.hair = hair;
@@ -231,6 +236,7 @@ impl Simulation {
         let into_box = |x: &DVec3| (*x - air.min).rem_euclid(air.size);
         let local: Option<Vec<DVec3>> = positions.map(|positions| positions.iter().map(into_box).collect());
         self.engine.write_air(local.as_deref(), velocities, air.volume)?;
+        self.was_set = true;
         if self.last.step == 0 {
             // Before the first step this is the air that the run starts from.
             let (min, start) = (self.initial.air.min, &mut self.initial.air);

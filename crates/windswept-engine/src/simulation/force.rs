@@ -48,7 +48,7 @@ impl Simulation {
     /// [`RunError::Gpu`].
     pub fn set_force(&mut self, force: &Accelerations) -> Result<(), RunError> {
         self.push(force)?;
-        self.callback = None;
+        (self.callback, self.has_loads) = (None, false);
         Ok(())
     }
 
@@ -86,6 +86,7 @@ impl Simulation {
     }
 
     fn push(&mut self, force: &Accelerations) -> Result<(), RunError> {
+        self.was_set = true;
         let (hair, air) = (self.initial.hair.positions.len(), self.initial.air.positions.len());
         checked("hair", Some(&force.hair).filter(|rows| !rows.is_empty()).map(Vec::as_slice), hair)?;
         checked("air", Some(&force.air).filter(|rows| !rows.is_empty()).map(Vec::as_slice), air)?;

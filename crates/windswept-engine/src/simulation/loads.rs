@@ -12,13 +12,15 @@ use crate::error::RunError;
 pub struct HairLoads {
     /// Force of the air on each point, drag and lift \[N\], of all fibres that the strand stands for.
     pub drag: Vec<[f32; 3]>,
-    /// Velocity of the air at each point, that its drag is found with \[m/s\]: in model `two-way` that of the air
+    /// Velocity of the air at each point from which the drag follows \[m/s\]: in model `two-way` that of the air
     /// particles, which the hair has slowed. Zero in the models `particles` and `none`, which know no such air.
     pub air_velocity: Vec<[f32; 3]>,
     /// Force of each strand on its clamp \[N\]: that of its first segment on its root, without the loads on the root
-    /// itself. Not a number where a tip is held too, which takes its share. Zero in the model `particles`.
+    /// itself; in the model `two-way` it has the pressure of other strands too. Not a number where something else holds
+    /// the strand as well: a held tip, a pin, a body that it touches. Zero in the model `particles`.
     pub root_force: Vec<[f32; 3]>,
-    /// Moment of each strand on its clamp, about the root \[N m\], without the inertia of the segments' own turns.
+    /// Moment of each strand on its clamp, about the root \[N m\], without the inertia of the segments' own turns. Not a
+    /// number, and zero, where `root_force` is.
     pub root_moment: Vec<[f32; 3]>,
 }
 
@@ -29,8 +31,14 @@ impl Simulation {
     /// that the rod gave each of them. A sleeping strand has those of its last step awake.
     ///
     /// # Errors
+    /// [`RunError::Measurement`] where there was no step since the simulation was loaded or updated, or a force was set;
     /// [`RunError::Gpu`] when the device is lost.
     pub fn hair_loads(&self) -> Result<HairLoads, RunError> {
+        if !self.has_loads && self.last.step > 0 {
+            let words =
+                "forces on hair: expected a step since the last update, set_force or load: they are those of a step";
+            return Err(RunError::Measurement(words.to_owned()));
+        }
         let (s, hair) = (self.engine.state(), &self.initial.hair);
         let step = f64::from(self.engine.seconds_of_step());
         let xyz = |v: &[f32; 4]| [v[0], v[1], v[2]];
@@ -46,6 +54,9 @@ impl Simulation {
         let vector = |v: [f32; 3]| DVec3::from_array(v.map(f64::from));
         let pushes = self.engine.read(&s.pushed)?;
         let pushed = |p: usize| pushes.get(p).map_or(DVec3::ZERO, |push| vector(xyz(push)));
+        let pins = self.engine.read(&s.pins)?;
+        let (bodies, contacts) = (self.scene.bodies.len(), self.engine.read(&s.contact_history)?);
+        let touched = |place: usize| (0..bodies).any(|body| contacts[place * bodies + body].force != 0.0);
         let moved = self.last.step > 0 && self.scene.interaction.model != Model::Particles;
         let clamp = |strand: usize| {
             let points = hair.points(strand);
@@ -54,7 +65,9 @@ impl Simulation {
             if root > 0.0 || !moved {
                 return [force, moment];
             }
-            if tip == 0.0 {
+            let segments = hair.segments(strand).map(|k| hair.positions.len() + k);
+            let touches = points.clone().chain(segments).any(|place| touched(place));
+            if tip == 0.0 || touches || points.clone().any(|p| pins[p].held != 0) {
                 return [DVec3::NAN; 2];
             }
             let at = vector(xyz(&positions[points.start]));

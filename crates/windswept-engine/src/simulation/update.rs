@@ -11,10 +11,10 @@ impl Simulation {
     /// Goes on with another scene from the next step on. The state stays as it is, and so do roots, pins, bodies and a force
     /// that were set; a wind that was set is part of [`Self::scene`], and stays in a scene that was made from it. The
     /// arrays that follow from the scene are those of a new simulation of it, so that a simulation that has not stepped
-    /// yet has the same bits as a new one.
+    /// yet has the same bits as a new one; a caller's own groom keeps the air that it began in. Strands that sleep wake.
     ///
     /// Gravity, wind, gusts, inflow, force fields, bands, viscosity, friction, damping, stiffness, radius and density
-    /// of fibres, keyframes of hair and bodies, camera and picture may differ; what there is may not. The buffers on
+    /// of fibres, keyframes of hair and bodies, camera and picture may differ; numbers of things, their shapes and solvers may not. The buffers on
     /// the device are made anew: [`Self::buffers`] are others afterwards, and both exist for a moment.
     ///
     /// The update is kept as a change of the scene, which [`Self::recorded`] has. Changes that the simulation's own scene
@@ -55,23 +55,22 @@ impl Simulation {
     pub(super) fn with_scene(&self, scene: &CheckedScene, changed: &[String]) -> Result<Self, Error> {
         let gpu = self.gpu();
         // Hair of a caller's own is no scene's.
-        let own = self.scene.hair.is_empty();
+        let own = self.scene.hair.is_empty() && !self.initial.hair.is_empty();
         let initial = if own { self.initial.clone() } else { InitialState::new(scene)? };
-        if self.last.step == 0
-            && self.wind_set.is_none()
-            && self.bodies_set.is_empty()
-            && !self.hair_was_set()
-            && self.callback.is_none()
-            && !own
-        {
+        if self.last.step == 0 && !self.was_set && !own {
             return Self::started(gpu, scene, initial, Origin::Validated);
         }
         let (air, origin) = (self.initial.air.clone(), self.initial.origin);
-        let initial = InitialState { air, origin, ..initial };
+        let mut initial = InitialState { air, origin, ..initial };
+        // Hair of a file was given as it hung in the weight of the start.
+        let (hair, rest) = (&mut initial.hair, &self.initial.hair);
+        hair.rest_rotation.clone_from(&rest.rest_rotation);
+        hair.ends.clone_from(&rest.ends);
         let winds = ["air.wind", "air.gust", "air.ramp"];
         let blows_anew = changed.iter().any(|key| winds.iter().any(|wind| key.starts_with(wind)));
         let mut next = Self::build(gpu, scene, initial, Origin::Validated)?;
-        for (body, motion) in &self.bodies_set {
+        let moves_anew = |body: &usize| changed.iter().any(|key| key.starts_with(&format!("body.{body}.motion")));
+        for (body, motion) in self.bodies_set.iter().filter(|(body, _)| !moves_anew(body)) {
             next.set_motion(*body, motion.clone())?;
         }
         next.plan_force(self.plan.conditions.pushes.runs)?;
@@ -88,6 +87,10 @@ impl Simulation {
         if self.plan.recovers_strands() {
             next.plan.recover_strands();
         }
+        let is_seen = |key: &String| ["camera", "picture", "title"].iter().any(|table| key.starts_with(table));
+        if !changed.iter().all(is_seen) {
+            next.engine.rouse()?;
+        }
         next.keep(self)?;
         if let Some(wind) = self.wind_set.filter(|_| !blows_anew) {
             next.plan_wind(wind)?;
@@ -97,12 +100,7 @@ impl Simulation {
         Ok(next)
     }
 
-    /// Whether hair was written since the start.
-    fn hair_was_set(&self) -> bool {
-        self.plan.recovers_strands() || self.engine.hair_was_written()
-    }
-
-    /// Takes over how far the simulation is, and what it says of itself.
+    /// Takes over how far the simulation is, and what its report has.
     fn keep(&mut self, before: &Self) -> Result<(), GpuError> {
         self.last = self.engine.status()?;
         self.root_frames.clone_from(&before.root_frames);
@@ -111,6 +109,7 @@ impl Simulation {
         self.step_ms.clone_from(&before.step_ms);
         (self.recovered, self.wind_at_start) = (before.recovered, before.wind_at_start);
         self.resets.clone_from(&before.resets);
+        self.was_set = before.was_set;
         Ok(())
     }
 }
