@@ -293,7 +293,7 @@ fn poses_are_checked() {
     for (name, pose, velocity, words) in [
         ("bal", Pose::default(), None, "name: expected a body of the scene, found \"bal\": ball"),
         ("ball", nan, None, "translation: expected finite numbers"),
-        ("ball", flat, None, "rotation: expected one"),
+        ("ball", flat, None, "rotation: expected a quaternion"),
         ("ball", Pose::default(), Some(turn), "angular velocity: expected finite numbers"),
     ] {
         let error = simulation.set_body(name, pose, velocity).unwrap_err().to_string();
@@ -460,7 +460,8 @@ fn sleeping_hair_wakes() {
 fn updates_keep_or_replace_what_was_set() {
     let gpu = support::gpu();
     let mut simulation = Simulation::new(&gpu, &scene()).unwrap();
-    let place = DVec3::new(0.06, 0.03, 0.025);
+    let start = DVec3::from_array(simulation.frame().unwrap().hair.positions[3].map(f64::from));
+    let place = start + DVec3::new(-0.002, 0.003, 0.0);
     simulation.set_pins(&[3], &[place]).unwrap();
     let titled = Scene { title: "pinned".to_owned(), gravity: [0.0, -1.0, 0.0], ..scene() };
     simulation.update(&titled).unwrap();

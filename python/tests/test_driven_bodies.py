@@ -29,7 +29,7 @@ def test_a_body_goes_where_it_is_set(scene):
         (("bal", [0, 0, 0]), 'name: expected a body of the scene, found "bal": ball'),
         (("ball", [0, 0]), "translation"),
         (("ball", [0, 0, 0], [0, 0, 1]), r"rotation: expected shape \(4,\), found \(3,\)"),
-        (("ball", [0, 0, 0], [0, 0, 0, 0]), "rotation: expected one"),
+        (("ball", [0, 0, 0], [0, 0, 0, 0]), "rotation: expected a quaternion"),
         (("ball", [np.nan, 0, 0]), "translation"),
     ]:
         with pytest.raises(ValueError, match=words):

@@ -66,7 +66,7 @@ impl Simulation {
                 return [force, moment];
             }
             let segments = hair.segments(strand).map(|k| hair.positions.len() + k);
-            let touches = points.clone().chain(segments).any(|place| touched(place));
+            let touches = points.clone().chain(segments).any(&touched);
             if tip == 0.0 || touches || points.clone().any(|p| pins[p].held != 0) {
                 return [DVec3::NAN; 2];
             }
