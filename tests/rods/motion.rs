@@ -186,6 +186,9 @@ fn held_tips_stay_when_roots_jump() {
         assert_eq!(hair.positions[11], before, "{tip:?}");
         assert!(hair.positions.iter().flatten().all(|x| x.is_finite()));
         assert_eq!(simulation.report().unwrap().strand_steps.unwrap()["teleports"], 0);
+        // The strand that both ends stretch is warned of.
+        simulation.step(60).unwrap();
+        assert!(support::warned(&simulation.warnings(), "over_strained") > 0, "{:?}", simulation.warnings());
     }
 }
 

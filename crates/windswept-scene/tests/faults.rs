@@ -4,7 +4,7 @@
 mod common;
 
 use common::{QUICK, load, parse, parse_with};
-use windswept_scene::{CheckedScene, InitialState, Scene, SceneError};
+use windswept_scene::{Air, Body, CheckedScene, Hair, InitialState, Keyframe, Roots, Scene, SceneError, Time};
 
 const SMALL: &str = "\
 [time]
@@ -436,4 +436,35 @@ fn what_is_no_file_is_refused() {
     writer.write_all(SMALL.as_bytes()).unwrap();
     drop(writer);
     assert_eq!(load(format!("/dev/fd/{}", reader.as_raw_fd())), parse(SMALL));
+}
+
+/// A scene in code is checked as one of a text: each wrong value is a fault of its key, and none is stepped.
+#[test]
+fn wrong_scenes_in_code_are_named() {
+    let scene = || {
+        let mut scene = Scene::new(Time::new(1e-3, 1.0));
+        scene.hair.push(Hair::drawn(3, 5, 0.05, Roots::disc([0.05; 3], 0.01)));
+        scene.air = Some(Air::filling([0.1; 3]).wind([1.0, 0.0, 0.0]));
+        scene.bodies.push(Body::sphere([0.05, 0.09, 0.05], 0.005).named("ball"));
+        scene
+    };
+    assert!(scene().check().is_ok());
+    let keyframes = || [0.2, 0.1].map(Keyframe::new).into();
+    let cases: [(&str, fn(&mut Scene)); 6] = [
+        ("time.step", |scene| scene.time.step = -1.0),
+        ("time.substeps", |scene| scene.time.substeps = 0),
+        ("air", |scene| scene.air = None),
+        ("body.ball.radius", |scene| scene.bodies[0] = Body::sphere([0.05; 3], -0.1).named("ball")),
+        ("hair.points", |scene| scene.hair = vec![Hair::drawn(3, 1, 0.05, Roots::disc([0.05; 3], 0.01))]),
+        ("gravity", |scene| scene.gravity[1] = f64::NAN),
+    ];
+    for (key, change) in cases {
+        let mut wrong = scene();
+        change(&mut wrong);
+        let error = wrong.check().unwrap_err();
+        assert_eq!(error.key(), Some(key), "{error}");
+    }
+    let mut back = scene();
+    back.bodies[0].motion = keyframes();
+    assert_eq!(back.check().unwrap_err().key(), Some("body.ball.motion.1.time"));
 }

@@ -122,3 +122,37 @@ fn solid(shape: RootShape, t: f64, around: f64, radius: f64) -> DVec3 {
     let narrow = if shape == RootShape::Line { 0.08 } else { 1.0 };
     radius * DVec3::new(ring * x, narrow * ring * y, height)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use windswept_scene::{Hair, Roots, Scene, Time};
+
+    /// The patch goes where its group's roots went, whoever moved them: with them and about them.
+    #[test]
+    fn the_patch_follows_roots() {
+        let mut scene = Scene::new(Time::new(1e-3, 1.0));
+        scene.interaction.model = Some(windswept_scene::Model::None);
+        scene.hair.push(Hair::drawn(3, 4, 0.02, Roots::disc([0.1, 0.2, 0.3], 0.01).toward([1.0, 0.0, 0.0])));
+        let scene = scene.check().unwrap_or_else(|error| panic!("{error}"));
+        let root = DVec3::new(0.1, 0.205, 0.3);
+        let hair = |root: DVec3, frame: DQuat| HairFrame {
+            offsets: vec![0, 1],
+            positions: vec![root.as_vec3().to_array()],
+            root_frames: vec![frame.as_quat().to_array()],
+            groups: vec![0],
+            ..HairFrame::default()
+        };
+        let (turn, way) = (DQuat::from_rotation_z(0.7), DVec3::new(0.02, -0.01, 0.03));
+        let before = DQuat::from_rotation_y(0.4);
+        let start = hair(root, before);
+        let moved = Frame { hair: hair(root + way, turn * before), ..Frame::default() };
+        let still = corners(&scene, &start, &Frame { hair: start.clone(), ..Frame::default() });
+        for (corner, now) in still.iter().zip(corners(&scene, &start, &moved)) {
+            let vector = |x: [f32; 3]| DVec3::from_array(x.map(f64::from));
+            let expected = root + way + turn * (vector(corner.position) - root);
+            assert!(vector(now.position).distance(expected) < 1e-6, "{:?}, {expected}", now.position);
+            assert!(vector(now.normal).distance(turn * vector(corner.normal)) < 1e-5);
+        }
+    }
+}
