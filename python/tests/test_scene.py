@@ -192,3 +192,16 @@ def test_every_key_is_documented():
 def test_a_scene_without_anything_cannot_start(bare):
     with pytest.raises(ws.SceneError, match="neither hair nor air"):
         ws.Simulation(bare)
+
+
+def test_a_scene_says_what_it_has():
+    scene = ws.Scene(time=ws.Time(step=1e-3, duration=1), interaction=ws.Interaction(model="none"))
+    scene.hair = [ws.Hair(name=name, strands=2, points=3, length=0.1, roots=ws.Disc(center=[0, 0, 0], radius=0.01)) for name in "ab"]
+    assert "time.step" in scene and "hair.b.length" in scene and "air.wind" not in scene and "time.stp" not in scene
+    with pytest.raises(TypeError):
+        list(scene)
+    with pytest.raises(ws.SceneError, match="there is no c among a, b"):
+        scene["hair.c.length"]
+    for path in ("", "hair.a."):
+        with pytest.raises(ws.SceneError):
+            scene[path]

@@ -267,6 +267,16 @@ class SceneTable(Table):
             value = None
         return self.checked()._find(path, make=False) if value is None else value
 
+    def __contains__(self, path: object) -> bool:
+        """Whether the scene has a value under a dotted key, its own or one that follows from others."""
+        try:
+            return isinstance(path, str) and self[path] is not None
+        except SceneError:
+            return False
+
+    #: A scene is no list of its keys: `to_dict` has them.
+    __iter__: ClassVar[None] = None
+
     def __setitem__(self, path: str, value: Any) -> None:
         head, _, name = path.rpartition(".")
         table = self._find(head, make=True) if head else self
@@ -285,7 +295,8 @@ class SceneTable(Table):
                 named = [table for table in value if getattr(table, "name", None) == name]
                 indexed = value[int(name) :][:1] if name.isdigit() else []
                 if not (found := named or indexed or value * (len(value) == 1)):
-                    raise fault(path, f"there is no {name} among {len(value)} tables")
+                    known = [str(getattr(table, "name", index)) for index, table in enumerate(value)]
+                    raise fault(path, f"there is no {name} among {', '.join(known) or 'no tables'}")
                 value = found[0]
                 if not (named or indexed):
                     continue
@@ -294,7 +305,7 @@ class SceneTable(Table):
                 if make and getattr(value, name) is None and own.kind == "table" and len(own.of) == 1:
                     setattr(value, name, {})
                 value = getattr(value, name)
-            elif isinstance(value, Table) and name == value._word[0]:
+            elif isinstance(value, Table) and name and name == value._word[0]:
                 value = value._word[1]
             elif value is None:
                 raise fault(path, "is not there: this scene has no such table")
