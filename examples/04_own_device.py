@@ -1,6 +1,6 @@
 """One device, shared: two simulations on two threads, and a single pass on arrays of your own.
 
-    python examples/03_own_device.py
+    python examples/04_own_device.py
 
 Every simulation on the same adapter has the same device; `adapter=` chooses it.
 """

@@ -1,6 +1,6 @@
 """A groom file: made by a script, loaded, and drawn in wind.
 
-    python examples/04_groom_file.py        # writes curls.hair and curls.png
+    python examples/05_groom_file.py        # writes curls.hair and curls.png
 """
 
 import struct
