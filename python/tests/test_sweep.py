@@ -33,7 +33,7 @@ def test_every_combination_gets_its_folder_and_its_line(short, tmp_path):
     assert [case.status for case in cases] == ["finished"] * 4
     assert [list(case.values.values()) for case in cases] == [[c, u] for c in VARY["viscosity.hair"] for u in VARY["air.wind"]]
     for case in cases:
-        assert case.report["steps"] == 12 and case.attempts == 1 and case.error is None
+        assert case.report["steps"] == 14 and case.attempts == 1 and case.error is None
         assert ws.Scene.load(case.folder / "scene.toml") == short.replace(**case.values)
         assert image.open(case.folder / "picture.png").size == (96, 64)
     lines = table(tmp_path)
@@ -96,7 +96,7 @@ def test_an_ensemble_has_a_mean_and_a_spread(short, tmp_path):
     assert len(set(numbers)) == 3 == len(spread.cases)
     assert spread.mean["momentum"] == pytest.approx(np.mean(numbers))
     assert spread.spread["momentum"] == pytest.approx(np.std(numbers, ddof=1))
-    assert (spread.mean["steps"], spread.spread["steps"]) == (12, 0) and "words" not in spread.mean
+    assert (spread.mean["steps"], spread.spread["steps"]) == (14, 0) and "words" not in spread.mean
     with pytest.raises(RuntimeError, match="no case finished: .*picture.hairs"):
         ws.ensemble(short.replace(**{"picture.hairs": 1_000_000}), [1], tmp_path / "none", retries=0)
 
