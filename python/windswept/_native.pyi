@@ -382,13 +382,14 @@ class Simulation:
         velocity: _Array | None = None,
         angular_velocity: _Array | None = None,
     ) -> None:
-        """Moves a body of the scene: at the end of the next step it has this pose, and keeps it until it is moved again. Hair
-        on the body goes with it.
+        """Moves a body of the scene, in place of its keyframes: at the end of the next step it has this pose, and keeps it
+        until it is moved again. Hair on the body goes with it.
 
         Args:
             name: of the body.
-            translation: `(3,)` [m], from where the scene has the body.
-            rotation: quaternion x, y, z, w about the body's centre, a mesh's the origin of its file; None: as the scene has it.
+            translation: `(3,)` [m], at most 1e18, from where the scene has the body without a motion.
+            rotation: quaternion x, y, z, w of a length above 1e-6, about the body's centre, a mesh's the origin of its file;
+                None: none.
             velocity: `(3,)` [m/s]; with it the body jumps there instead of coming evenly from where it is.
             angular_velocity: `(3,)` [rad/s], as `velocity`.
 
@@ -441,6 +442,9 @@ class Simulation:
         may change; strands, points, bodies, the box of air, the step, model and solvers may not. With `sim.scene` as it
         is now the values are those of a new simulation. Roots, pins and a force that were set stay, and so does a wind
         that was set, unless the scene's wind changes.
+
+        Changes go on top of a scene that is given. Buffers on the device are made anew, strands that sleep wake, and new
+        warnings are `UserWarning`s.
 
         Raises:
             SceneError: a fault of the scene, or the key of a value that a simulation keeps.
@@ -571,12 +575,18 @@ class HairState:
         """
     @property
     def root_force(self) -> NDArray[np.float32]:
-        """`(strands, 3)` float32 [N]: force of each strand's first segment on its clamp in the last step. Not a number where
-        the tip is held too; zero with interaction.model particles.
+        """`(strands, 3)` float32 [N]: force of each strand's first segment on its clamp in the last step, with the pressure of
+        other strands in it. Not a number where something else holds the strand too: a held tip, a pin, a body that it
+        touches; zero with interaction.model particles.
+
+        Raises:
+            RunError: there was no step since an update, a load, or a force that was set; so for drag and the others.
         """
     @property
     def root_moment(self) -> NDArray[np.float32]:
-        """`(strands, 3)` float32 [N m]: moment of each strand on its clamp, about the root."""
+        """`(strands, 3)` float32 [N m]: moment of each strand on its clamp, about the root; not a number, and zero, where
+        `root_force` is.
+        """
 
 @final
 class AirState:
