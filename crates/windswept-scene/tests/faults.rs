@@ -450,7 +450,8 @@ fn wrong_scenes_in_code_are_named() {
     };
     assert!(scene().check().is_ok());
     let keyframes = || [0.2, 0.1].map(Keyframe::new).into();
-    let cases: [(&str, fn(&mut Scene)); 6] = [
+    type Change = fn(&mut Scene);
+    let cases: [(&str, Change); 6] = [
         ("time.step", |scene| scene.time.step = -1.0),
         ("time.substeps", |scene| scene.time.substeps = 0),
         ("air", |scene| scene.air = None),
