@@ -119,7 +119,7 @@ fn explain_lists_every_key_with_type_unit_default_and_help() {
 /// Every default of the table is a value that the key takes.
 #[test]
 fn defaults_can_be_spelled() {
-    let elsewhere = ["hair.", "body.", "force.", "turbulence.bands.", "turbulence.cutoff"];
+    let elsewhere = ["hair.", "body.", "force.", "turbulence.bands.", "turbulence.cutoff", "change."];
     for key in KEYS.iter().filter(|key| !elsewhere.iter().any(|table| key.path.starts_with(table))) {
         for default in [true, false].into_iter().filter_map(|accurate| key.default_of(accurate)) {
             scene(QUICK, &[&format!("{}={default}", key.path)]);
