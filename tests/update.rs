@@ -480,3 +480,24 @@ fn updates_keep_or_replace_what_was_set() {
     let error = simulation.hair_loads().unwrap_err().to_string();
     assert!(error.contains("expected a step since the last update"), "{error}");
 }
+
+/// A caller's own strands outlast an update, whether or not the scene that is given has hair; so do they in a file.
+#[test]
+fn a_groom_outlasts_updates() {
+    let gpu = support::gpu();
+    let groom = Groom::new((0..5).map(|k| [0.03 + 0.008 * f64::from(k), 0.03, 0.02]).collect(), vec![0, 5]);
+    let lighter = Scene { gravity: [0.0, -1.0, 0.0], ..scene() };
+    let mut expected = Simulation::with_groom(&gpu, &scene(), &groom).unwrap();
+    expected.step(2).unwrap();
+    let file = tempfile::NamedTempFile::new().unwrap();
+    expected.save(file.path()).unwrap();
+    let mut own = Simulation::with_state(&gpu, &scene(), expected.initial().clone()).unwrap();
+    own.step(2).unwrap();
+    for mut simulation in [expected, Simulation::load(&gpu, file.path()).unwrap(), own] {
+        let before = bits(&simulation);
+        simulation.update(&lighter).unwrap();
+        assert!(bits(&simulation) == before && simulation.counts().hair_points == 5);
+        simulation.step(1).unwrap();
+        assert_eq!(simulation.scene().gravity, [0.0, -1.0, 0.0]);
+    }
+}

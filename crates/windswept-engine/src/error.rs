@@ -251,6 +251,15 @@ pub enum Error {
     Gpu(#[from] GpuError),
 }
 
+impl From<Error> for RunError {
+    fn from(error: Error) -> Self {
+        match error {
+            Error::Gpu(error) => Self::Gpu(error),
+            Error::Scene(error) => Self::Input(error.to_string()),
+        }
+    }
+}
+
 /// `Debug` as the text of `Display`, which a `main` that returns the error prints.
 macro_rules! debug_as_display {
     ($($error:ty),*) => {

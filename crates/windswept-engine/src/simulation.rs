@@ -69,8 +69,10 @@ pub struct Simulation {
     updates: Vec<Change>,
     /// Whether a caller has set something of the state.
     was_set: bool,
-    /// Whether the loads on hair are those of the last step.
-    has_loads: bool,
+    /// Whether the strands are a caller's own, and no scene's.
+    own_hair: bool,
+    /// Step of the engine after which the loads on hair are known again.
+    loads_after: u32,
     /// The function that says what pushes in each step, where one was set.
     callback: Option<force::Callback>,
     /// Engine steps in the loaded state; 0 for a new run.
@@ -145,15 +147,8 @@ impl Simulation {
         let scene = &*scene.as_checked()?;
         check_room(gpu, scene, Some(groom))?;
         let initial = InitialState::with_groom(scene, groom)?;
-        Self::started(
-            gpu,
-            &scene.assuming(|scene, values| {
-                scene.hair.clear();
-                values.hair.clear();
-            }),
-            initial,
-            Origin::Validated,
-        )
+        let own = Self::started(gpu, &without_hair(scene), initial, Origin::Validated)?;
+        Ok(Self { own_hair: true, ..own })
     }
 
     /// A simulation that starts from the caller's own arrays; the scene's `[hair]` and lattice are not looked at. Hair
@@ -163,7 +158,8 @@ impl Simulation {
     /// # Errors
     /// [`Error::Scene`] when the arrays do not belong together, [`Error::Gpu`] when they do not fit the adapter.
     pub fn with_state(gpu: &Gpu, scene: &impl AsChecked, initial: InitialState) -> Result<Self, Error> {
-        Self::started(gpu, &*scene.as_checked()?, initial, Origin::Untrusted)
+        let own = Self::started(gpu, &*scene.as_checked()?, initial, Origin::Untrusted)?;
+        Ok(Self { own_hair: true, ..own })
     }
 
     /// A simulation whose air beside bodies has the velocity that it starts with.
@@ -203,7 +199,8 @@ impl Simulation {
             wind_at_start: scene.air.as_ref().map_or(DVec3::ZERO, |air| DVec3::from_array(air.wind_at(0.0))),
             wind_set: None,
             was_set: false,
-            has_loads: false,
+            own_hair: false,
+            loads_after: 0,
             began: given.scene().clone(),
             updates: Vec::new(),
             bodies_set: BTreeMap::new(),
@@ -283,7 +280,6 @@ impl Simulation {
                 None
             };
             self.finish_steps()?;
-            self.has_loads = true;
             self.record_time(started.elapsed().as_secs_f64() * 1e3, before, timed.is_some());
             // A step that froze was done in part.
             if let Some((profile, spans)) = timed.filter(|_| self.last.step > before) {
@@ -541,6 +537,14 @@ impl Simulation {
             ..HairFrame::default()
         }
     }
+}
+
+/// The scene with a caller's own strands in the place of its `[hair]`.
+fn without_hair(scene: &CheckedScene) -> CheckedScene {
+    scene.assuming(|scene, values| {
+        scene.hair.clear();
+        values.hair.clear();
+    })
 }
 
 /// A local position in the world \[m\].

@@ -83,7 +83,7 @@ impl CheckedScene {
         Self::of(py, || windswept_scene::Scene::parse_with("scene", self.inner.text(), &sets))
     }
 
-    /// Its values as it was written, without those that follow from others; with `every`, those too.
+    /// Values of the scene as it was written, without those that follow from others; with `every`, those too.
     fn values<'py>(&self, py: Python<'py>, every: bool) -> PyResult<Bound<'py, PyDict>> {
         toml::values(py, &if every { self.inner.to_toml() } else { self.inner.scene().to_toml() })
     }

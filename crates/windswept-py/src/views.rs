@@ -84,7 +84,8 @@ impl HairState {
     /// `(strands, 4)` float32: quaternions x, y, z, w of the frames that clamp the roots.
     #[getter]
     fn root_frames<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
-        matrix(py, self.sim.get().run_engine(py, |sim| sim.frame())?.hair.root_frames)
+        let clamps = self.sim.get().run_engine(py, |sim| sim.clamps())?;
+        matrix(py, clamps.into_iter().map(|(_, frame)| frame.as_quat().to_array()).collect())
     }
 
     /// `(points, 3)` float32 [N]: force of the air on each point in the last step, drag and lift, of all fibres that the

@@ -43,10 +43,9 @@ impl Simulation {
             return Err(RunError::Input(words));
         }
         let (now, step) = (self.time(), self.scene.time.step);
-        let motion = &self.scene.bodies[body].motion;
-        let (start, pose) = (motion.at(0.0), Pose { rotation: pose.rotation.normalize(), ..pose });
+        let pose = Pose { rotation: pose.rotation.normalize(), ..pose };
         let before = match velocity {
-            None => motion.at(now),
+            None => self.scene.bodies[body].motion.at(now),
             Some([linear, angular]) => Pose {
                 translation: pose.translation - step * linear,
                 rotation: DQuat::from_scaled_axis(-step * angular) * pose.rotation,
@@ -57,10 +56,7 @@ impl Simulation {
             translation: pose.translation.to_array(),
             rotation: pose.rotation.to_scaled_axis().to_array(),
         };
-        // Hair on the body takes out of its motion where it was at the start.
-        let at_start = (now > 0.0).then(|| keyframe(0.0, start));
-        let keyframes = at_start.into_iter().chain([keyframe(now, before), keyframe(now + step, pose)]);
-        self.set_motion(body, Motion { keyframes: keyframes.collect() })?;
+        self.set_motion(body, [keyframe(now, before), keyframe(now + step, pose)].into())?;
         if velocity.is_some() {
             // A jump wakes no hair by itself.
             self.engine.rouse()?;
@@ -75,8 +71,12 @@ impl Simulation {
             hair.iter().for_each(|group| values.hair[*group].motion = motion.clone());
             values.bodies[body].motion = motion.clone();
         });
-        self.bodies_set.insert(body, motion);
         self.was_set = true;
-        self.engine.write_motions(&self.given, &self.initial, &Motions::new(&self.scene))
+        let (motions, engine) = (Motions::new(&self.scene), &self.engine);
+        if self.bodies_set.insert(body, motion).is_some() {
+            // Body and hair go by the same keyframes as before, which have other values.
+            return engine.write(&engine.state().keyframes, &motions.keyframes);
+        }
+        engine.write_motions(&self.given, &self.initial, &motions)
     }
 }

@@ -41,10 +41,7 @@ impl Simulation {
             }
             let gone = (now + step - change.time) / change.over;
             let part = if change.over > 0.0 && gone < 1.0 - ROUNDING { gone } else { 1.0 };
-            self.change(part).map_err(|error| match error {
-                Error::Gpu(error) => RunError::Gpu(error),
-                error => RunError::Input(error.to_string()),
-            })?;
+            self.change(part)?;
             if part < 1.0 {
                 break;
             }
@@ -57,9 +54,7 @@ impl Simulation {
         let next = self.given.scene().after_change(part)?.check()?;
         let changed = self.scene.scene().changed(next.scene());
         let made = self.with_scene(&next, &changed)?;
-        let given = if part < 1.0 { self.given.clone() } else { next };
-        self.go_on_as(made);
-        self.given = given;
+        self.go_on_as(made, if part < 1.0 { self.given.clone() } else { next });
         Ok(())
     }
 }

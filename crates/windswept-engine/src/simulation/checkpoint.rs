@@ -119,6 +119,8 @@ struct Driven {
     updates: Vec<Change>,
     /// Motions that were set, by the bodies' indices.
     bodies: BTreeMap<usize, Motion>,
+    /// Whether the strands are a caller's own, and no scene's.
+    own_hair: bool,
     /// Whether a force that was set pushes hair and air.
     pushes: bool,
     /// Resets so far.
@@ -264,7 +266,7 @@ impl Checkpoint {
             return Err(invalid(&file, format!("section {DRIVEN} has a wind of {wind} m/s")));
         }
         let is_held = |k: &Keyframe| held(&k.translation.into()) && held(&k.rotation.into()) && k.time.is_finite();
-        let is_motion = |motion: &Motion| motion.keyframes.len() <= 3 && motion.keyframes.iter().all(is_held);
+        let is_motion = |motion: &Motion| motion.keyframes.len() == 2 && motion.keyframes.iter().all(is_held);
         if driven.bodies.iter().any(|(body, motion)| *body >= scene.bodies.len() || !is_motion(motion)) {
             return Err(invalid(&file, format!("section {DRIVEN} has motions that are no bodies'")));
         }
@@ -291,10 +293,10 @@ impl Checkpoint {
             simulation.last = status::thawed(&simulation.last);
             engine.set_status(&simulation.last)?;
         }
-        simulation.first_substep = simulation.last.step;
+        (simulation.first_substep, simulation.loads_after) = (simulation.last.step, simulation.last.step);
         simulation.steps = u64::from(simulation.first_substep) / simulation.substeps();
         simulation.root_frames = driven.root_frames;
-        simulation.resets = driven.resets;
+        (simulation.resets, simulation.own_hair) = (driven.resets, driven.own_hair);
         simulation.began = Scene::parse(&driven.began).map_err(|error| invalid(&file, error.to_string()))?;
         simulation.updates = driven.updates;
         simulation.files = OnceLock::from(files);
@@ -370,6 +372,7 @@ impl Simulation {
         }
         let driven = Driven {
             root_frames: self.root_frames.clone(),
+            own_hair: self.own_hair,
             wind: self.wind_set,
             began: self.began.text_now(),
             updates: self.updates.clone(),

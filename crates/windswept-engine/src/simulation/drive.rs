@@ -71,7 +71,7 @@ impl Simulation {
             return input("points: rods.solver is gauss-seidel, which knows no pins: expected direct".to_owned());
         }
         checked("places", Some(places), points.len())?;
-        let mut pins = rods::pins(scene, &self.initial);
+        let mut pins = rods::pins(&self.given, &self.initial);
         let mut given = HashSet::new();
         for (row, (&point, place)) in points.iter().zip(places).enumerate() {
             if point >= pins.len() {
@@ -101,8 +101,8 @@ impl Simulation {
 
     /// Sets the mean wind from the next step on \[m/s\], in place of the scene's wind, ramp and gusts. All air takes
     /// the change in that step. A wind that turns round enters from the other side. `turbulence.speed`, where the scene
-    /// leaves it to the largest wind, rises to one that is set.
-    /// Where the wind is faster than the air's pressure keeps up with, [`Self::warnings`] says so.
+    /// leaves it to the largest wind, rises to one that is set. Where the wind is faster than the air's pressure keeps
+    /// up with, [`Self::warnings`] says so.
     ///
     /// # Errors
     /// [`RunError::Input`] when it is faster than [`FASTEST_WIND`], or the scene has no `[air]`; [`RunError::Gpu`].
@@ -127,10 +127,7 @@ impl Simulation {
             table.len() as usize,
         );
         self.engine.write(table, &entries)?;
-        self.plan_wind(wind).map_err(|error| match error {
-            Error::Gpu(error) => RunError::Gpu(error),
-            error => RunError::Input(error.to_string()),
-        })
+        Ok(self.plan_wind(wind)?)
     }
 
     /// Gives scene and plan this wind \[m/s\] in place of the scene's own.
@@ -158,11 +155,9 @@ impl Simulation {
         let setup = Setup::new(&self.scene, &self.initial);
         self.engine.write(&self.engine.state().band, &setup.bands.tasks)?;
         if Plan::new(&setup).conditions.turbulence.runs && !self.plan.conditions.turbulence.runs {
-            // Its passes need buffers of their own.
-            let next = self.with_scene(&self.scene.clone(), &[])?;
-            let given = self.given.clone();
-            self.go_on_as(next);
-            self.given = given;
+            // The passes of turbulence need buffers of their own.
+            let next = self.with_scene(&self.scene, &[])?;
+            self.go_on_as(next, self.given.clone());
         }
         Ok(())
     }

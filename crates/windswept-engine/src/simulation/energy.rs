@@ -6,9 +6,9 @@ use super::Simulation;
 use crate::{error::RunError, ops::Particles, report::BandEnergy};
 
 /// Air, as positions in the box \[m\] and velocities about the mean wind \[m/s\].
-struct Air {
-    positions: Vec<[f64; 3]>,
-    velocities: Vec<[f64; 3]>,
+pub(super) struct Air {
+    pub(super) positions: Vec<[f64; 3]>,
+    pub(super) velocities: Vec<[f64; 3]>,
 }
 
 impl Simulation {
@@ -93,7 +93,7 @@ impl Simulation {
         }
     }
 
-    fn air_now(&self) -> Result<Air, RunError> {
+    pub(super) fn air_now(&self) -> Result<Air, RunError> {
         let s = self.engine.state();
         let [positions, velocities] = self.engine.read_vec4([&s.position, &s.velocity])?;
         let (hair, slots) = (self.engine.sizes().hair_points as usize, self.engine.slots()?);

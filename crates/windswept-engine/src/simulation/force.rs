@@ -48,7 +48,7 @@ impl Simulation {
     /// [`RunError::Gpu`].
     pub fn set_force(&mut self, force: &Accelerations) -> Result<(), RunError> {
         self.push(force)?;
-        (self.callback, self.has_loads) = (None, false);
+        (self.callback, self.loads_after) = (None, self.last.step);
         Ok(())
     }
 

@@ -34,7 +34,7 @@ impl Simulation {
     /// [`RunError::Measurement`] where there was no step since the simulation was loaded or updated, or a force was set;
     /// [`RunError::Gpu`] when the device is lost.
     pub fn hair_loads(&self) -> Result<HairLoads, RunError> {
-        if !self.has_loads && self.last.step > 0 {
+        if self.last.step > 0 && self.last.step == self.loads_after {
             let words =
                 "forces on hair: expected a step since the last update, set_force or load: they are those of a step";
             return Err(RunError::Measurement(words.to_owned()));

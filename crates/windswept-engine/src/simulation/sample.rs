@@ -30,13 +30,9 @@ impl Simulation {
             let words = format!("points: expected finite numbers, found {:?} in row {row}", places[row].to_array());
             return Err(RunError::Input(words));
         }
-        let (s, start) = (self.engine.state(), &self.initial.air);
-        let (radius, size) = (air.kernel_radius, start.size);
-        let hair = self.engine.sizes().hair_points as usize;
-        let [positions, velocities] = [&s.position, &s.velocity].map(|array| self.engine.read(array));
-        let vector = |v: &[f32; 4]| DVec3::new(v[0].into(), v[1].into(), v[2].into());
-        let positions: Vec<DVec3> = positions?[hair..].iter().map(vector).collect();
-        let velocities: Vec<DVec3> = velocities?[hair..].iter().map(vector).collect();
+        let (radius, size) = (air.kernel_radius, self.initial.air.size);
+        let now = self.air_now()?;
+        let positions: Vec<DVec3> = now.positions.iter().copied().map(DVec3::from_array).collect();
         // Cells of at least a kernel radius, which divide the box.
         let cells = (size / radius).floor().max(DVec3::ONE);
         let cell = |x: DVec3| (x.rem_euclid(size) / size * cells).floor().min(cells - 1.0);
@@ -52,7 +48,7 @@ impl Simulation {
             let (low, high) = reach(cells[axis]);
             (low as i32..=high as i32).map(f64::from)
         };
-        let unit = start.volume * 315.0 / (64.0 * PI * radius.powi(9));
+        let unit = self.initial.air.volume * 315.0 / (64.0 * PI * radius.powi(9));
         let wind = DVec3::from_array(self.last.wind.map(f64::from));
         let sample = |place: &DVec3| {
             let x = *place - self.initial.origin;
@@ -66,11 +62,11 @@ impl Simulation {
                     let gap = gap - size * (gap / size).round();
                     let weight = unit * (radius * radius - gap.length_squared()).max(0.0).powi(3);
                     weights += weight;
-                    sum += weight * velocities[i];
+                    sum += weight * DVec3::from_array(now.velocities[i]);
                 }
             }
-            let velocity = if weights > 0.0 { sum / weights } else { wind };
-            AirSample { velocity, density: air.rest_density * weights }
+            let about_wind = if weights > 0.0 { sum / weights } else { DVec3::ZERO };
+            AirSample { velocity: wind + about_wind, density: air.rest_density * weights }
         };
         Ok(places.iter().map(sample).collect())
     }

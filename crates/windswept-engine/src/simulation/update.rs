@@ -4,18 +4,19 @@ use std::borrow::Cow;
 
 use windswept_scene::{AsChecked, CheckedScene, InitialState, Scene, is_fixed};
 
-use super::{Origin, Simulation};
+use super::{Origin, Simulation, without_hair};
 use crate::error::{Error, GpuError};
 
 impl Simulation {
-    /// Goes on with another scene from the next step on. The state stays as it is, and so do roots, pins, bodies and a force
-    /// that were set; a wind that was set is part of [`Self::scene`], and stays in a scene that was made from it. The
-    /// arrays that follow from the scene are those of a new simulation of it, so that a simulation that has not stepped
-    /// yet has the same bits as a new one; a caller's own groom keeps the air that it began in. Strands that sleep wake.
+    /// Goes on with another scene from the next step on. The state stays as it is, and so do roots, pins, bodies and a
+    /// force that were set; a wind that was set is part of [`Self::scene`], and stays in a scene that was made from it.
+    /// The arrays that follow from the scene are those of a new simulation of it, so that a simulation that has not
+    /// stepped yet has the same bits as a new one. A caller's own groom stays in the place of `[hair]`, and keeps the
+    /// air that it began in. Strands that sleep wake.
     ///
     /// Gravity, wind, gusts, inflow, force fields, bands, viscosity, friction, damping, stiffness, radius and density
-    /// of fibres, keyframes of hair and bodies, camera and picture may differ; numbers of things, their shapes and solvers may not. The buffers on
-    /// the device are made anew: [`Self::buffers`] are others afterwards, and both exist for a moment.
+    /// of fibres, keyframes of hair and bodies, camera and picture may differ; numbers and shapes of things, and solvers,
+    /// may not. The buffers on the device are made anew: [`Self::buffers`] are others afterwards, and both exist for a moment.
     ///
     /// The update is kept as a change of the scene, which [`Self::recorded`] has. Changes that the simulation's own scene
     /// still has to make stay; those of the other scene are not looked at.
@@ -25,6 +26,9 @@ impl Simulation {
     /// `hair.strands`; [`Error::Gpu`] where the new buffers do not fit the adapter. The simulation is as it was before.
     pub fn update(&mut self, scene: &impl AsChecked) -> Result<(), Error> {
         let mut scene = scene.as_checked()?;
+        if self.own_hair && self.scene.hair.is_empty() {
+            scene = Cow::Owned(without_hair(&scene));
+        }
         if scene.scene().changes != self.given.scene().changes {
             let changes = self.given.scene().changes.clone();
             scene = Cow::Owned(Scene { changes, ..scene.scene().clone() }.check()?);
@@ -39,13 +43,14 @@ impl Simulation {
         }
         let change = self.given.scene().change_to(scene.scene(), self.time());
         let next = self.with_scene(&scene, &changed)?;
-        self.go_on_as(next);
+        self.go_on_as(next, scene.into_owned());
         self.updates.push(change);
         Ok(())
     }
 
-    /// Goes on as another simulation of the same state.
-    pub(super) fn go_on_as(&mut self, mut next: Self) {
+    /// Goes on as another simulation of the same state, to which this scene was given.
+    pub(super) fn go_on_as(&mut self, mut next: Self, given: CheckedScene) {
+        next.given = given;
         (next.callback, next.trace) = (self.callback.take(), self.trace.take());
         (next.began, next.updates) = (self.began.clone(), std::mem::take(&mut self.updates));
         *self = next;
@@ -54,10 +59,8 @@ impl Simulation {
     /// The simulation with another scene.
     pub(super) fn with_scene(&self, scene: &CheckedScene, changed: &[String]) -> Result<Self, Error> {
         let gpu = self.gpu();
-        // Hair of a caller's own is no scene's.
-        let own = self.scene.hair.is_empty() && !self.initial.hair.is_empty();
-        let initial = if own { self.initial.clone() } else { InitialState::new(scene)? };
-        if self.last.step == 0 && !self.was_set && !own {
+        let initial = if self.own_hair { self.initial.clone() } else { InitialState::new(scene)? };
+        if self.last.step == 0 && !self.was_set && !self.own_hair {
             return Self::started(gpu, scene, initial, Origin::Validated);
         }
         let (air, origin) = (self.initial.air.clone(), self.initial.origin);
@@ -65,7 +68,9 @@ impl Simulation {
         // Hair of a file was given as it hung in the weight of the start.
         let (hair, rest) = (&mut initial.hair, &self.initial.hair);
         hair.rest_rotation.clone_from(&rest.rest_rotation);
-        hair.ends.clone_from(&rest.ends);
+        for (own, ends) in hair.ends.iter_mut().zip(&rest.ends) {
+            own.tip_rest_rotation = ends.tip_rest_rotation;
+        }
         let winds = ["air.wind", "air.gust", "air.ramp"];
         let blows_anew = changed.iter().any(|key| winds.iter().any(|wind| key.starts_with(wind)));
         let mut next = Self::build(gpu, scene, initial, Origin::Validated)?;
@@ -109,7 +114,7 @@ impl Simulation {
         self.step_ms.clone_from(&before.step_ms);
         (self.recovered, self.wind_at_start) = (before.recovered, before.wind_at_start);
         self.resets.clone_from(&before.resets);
-        self.was_set = before.was_set;
+        (self.was_set, self.own_hair, self.loads_after) = (before.was_set, before.own_hair, self.last.step);
         Ok(())
     }
 }

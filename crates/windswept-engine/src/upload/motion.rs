@@ -30,10 +30,10 @@ impl Motions {
         all
     }
 
-    /// Room for keyframes: those of the scene, and of each body and the hair on it three that a caller may set.
+    /// Room for keyframes: those of the scene, and of each body and the hair on it two that a caller may set.
     pub(crate) fn room(&self, scene: &CheckedScene) -> u32 {
         let set = (0..scene.bodies.len()).map(|body| 1 + hair_on(scene, body).count()).sum::<usize>();
-        (self.keyframes.len() + 3 * set) as u32
+        (self.keyframes.len() + 2 * set) as u32
     }
 
     fn append(&mut self, motion: &Motion, step: f64) -> Range<u32> {

@@ -119,7 +119,7 @@ fn dials() -> Vec<Dial> {
     viscosities.into_iter().chain(strengths).chain(intense).chain(many).chain([Dial::Bodies]).collect()
 }
 
-/// So many bands of neighbouring scales, from the first one on \[m\].
+/// Bands of neighbouring scales, `count` of them from `scale` \[m\] on.
 fn bands(count: u32, scale: f64, strength: f64, intensity: f64) -> Dial {
     let band = |k: u32| Band { scale: scale + 0.001 * f64::from(k), strength, intensity };
     Dial::Bands((0..count).map(band).collect())
