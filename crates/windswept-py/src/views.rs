@@ -121,8 +121,8 @@ impl HairState {
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        let sizes = self.sim.get().engine(py, |sim| sim.engine().sizes())?;
-        Ok(format!("<windswept.HairState: {} strands, {} points>", sizes.strands, sizes.hair_points))
+        let counts = self.sim.get().engine(py, |sim| sim.counts())?;
+        Ok(format!("<windswept.HairState: {} strands, {} points>", counts.strands, counts.hair_points))
     }
 }
 
@@ -210,7 +210,7 @@ impl AirState {
     #[getter]
     fn density_ratio<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray1<f32>>> {
         let ratios = self.sim.get().run_engine(py, |sim| {
-            let hair = sim.engine().sizes().hair_points as usize;
+            let hair = sim.counts().hair_points as usize;
             Ok(sim.density()?.into_iter().skip(hair).collect::<Vec<_>>())
         })?;
         Ok(PyArray1::from_vec(py, ratios))
@@ -249,7 +249,7 @@ impl AirState {
     }
 
     fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
-        let sizes = self.sim.get().engine(py, |sim| sim.engine().sizes())?;
-        Ok(format!("<windswept.AirState: {} particles>", sizes.air()))
+        let counts = self.sim.get().engine(py, |sim| sim.counts())?;
+        Ok(format!("<windswept.AirState: {} particles>", counts.air))
     }
 }

@@ -12,12 +12,12 @@ impl Simulation {
     /// Names and values that describe it in a line.
     pub(super) fn facts(&self, py: Python<'_>) -> PyResult<Vec<(&'static str, String)>> {
         self.engine(py, |sim| {
-            let sizes = sim.engine().sizes();
+            let counts = sim.counts();
             let mut facts = vec![
                 ("scene", format!("{:?}", sim.scene().title)),
-                ("strands", sizes.strands.to_string()),
-                ("hair points", sizes.hair_points.to_string()),
-                ("air particles", sizes.air().to_string()),
+                ("strands", counts.strands.to_string()),
+                ("hair points", counts.hair_points.to_string()),
+                ("air particles", counts.air.to_string()),
                 ("time", format!("{:.6} s", sim.time())),
                 ("steps", sim.steps().to_string()),
                 ("adapter", sim.engine().gpu().info().name.clone()),
