@@ -1,4 +1,5 @@
-"""Writes what follows from the native module: `windswept/scene.py`, and the docstrings of `windswept/_native.pyi`.
+"""Writes what follows from the native module: `windswept/scene.py`, the docstrings of `windswept/_native.pyi`, and the
+schema of scene files.
 
     cargo xtask stubs                     # builds the module, then runs this
     python -I python/generate.py --check  # says what differs
@@ -9,6 +10,7 @@ from __future__ import annotations
 import ast
 import inspect
 import json
+import subprocess
 import sys
 import textwrap
 from pathlib import Path
@@ -17,6 +19,7 @@ from typing import Any
 from windswept import _native
 
 PACKAGE = Path(__file__).parent / "windswept"
+SCENES = Path(__file__).parent.parent / "examples/scenes"
 HEAD = '''"""The tables of a scene and their keys, made by `cargo xtask stubs` from the keys that the engine declares."""
 
 from __future__ import annotations
@@ -168,10 +171,19 @@ def stub() -> str:
     return "\n".join(lines)
 
 
+def schema() -> str:
+    """The schema that the example scenes name in their first line."""
+    command = [sys.executable, "-I", "-m", "windswept", "check", "--schema"]
+    return subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True).stdout
+
+
 def main() -> int:
     differ = 0
-    for name, text in (("scene.py", scene()), ("_native.pyi", stub())):
-        path = PACKAGE / name
+    for path, text in (
+        (PACKAGE / "scene.py", scene()),
+        (PACKAGE / "_native.pyi", stub()),
+        (SCENES / "windswept.schema.json", schema()),
+    ):
         if path.exists() and path.read_text(encoding="utf-8") == text:
             continue
         differ += 1

@@ -164,11 +164,13 @@ def run(
             _write_table(cases, vary, Path(out))
     finally:
         work.close()
-    for case in cases if each else []:
-        if case.status != "failed":
-            case.numbers = dict(each(case))  # type: ignore[misc]
-    _write_table(cases, vary, Path(out))
     _write_sheet(cases, Path(out) / "sheet.png")
+    try:
+        for case in cases if each else []:
+            if case.status != "failed":
+                case.numbers = dict(each(case))  # type: ignore[misc]
+    finally:
+        _write_table(cases, vary, Path(out))
     return cases
 
 

@@ -32,10 +32,19 @@ impl Failure {
         }
     }
 
-    /// The message: a line, or on a terminal several. Control characters of the user's text are spelled.
+    /// The message: a line for each fault of a scene, on a terminal several; a line for any other failure. Control
+    /// characters of the user's text are spelled.
     pub(crate) fn render(&self, terminal: bool) -> String {
         match self {
-            Self::Scene(error) if terminal => drawn(error),
+            Self::Scene(error) if terminal => {
+                let faults: Vec<_> = [&**error].into_iter().chain(error.others()).map(drawn).collect();
+                faults.join("\n\n")
+            }
+            // The error has spelled the user's text, and has a line for each fault.
+            Self::Scene(error) => {
+                let faults: Vec<_> = error.to_string().lines().map(|fault| format!("error: {fault}")).collect();
+                faults.join("\n")
+            }
             Self::Interrupted(what) => spelled(what).into_owned(),
             failure => format!("error: {}", spelled(&failure.why())),
         }
@@ -112,7 +121,7 @@ impl From<ExportError> for Failure {
     }
 }
 
-/// The line of the scene with the fault underlined.
+/// The line of the scene with the fault underlined; faults besides it are left out.
 ///
 /// ```text
 /// error: hair.lenght: unknown key
@@ -172,6 +181,18 @@ mod tests {
         ];
         assert_eq!(refused.map(|error| Failure::from(error).status()), [2; 3]);
         assert_eq!(Failure::from(GpuError::Lost("gone".to_owned())).status(), 1);
+    }
+
+    /// Each fault of a scene has its own lines.
+    #[test]
+    fn all_faults_are_shown() {
+        let error = || Scene::parse("[hair]\nlength = -1\ndensity = -1\n").and_then(|scene| scene.check()).expect_err("two faults");
+        let plain = Failure::from(error()).render(false);
+        let lines: Vec<_> = plain.lines().collect();
+        assert!(lines.len() == 2 && lines[0].starts_with("error: ") && lines[1].starts_with("error: "), "{plain}");
+        assert!(lines[0].contains("hair.length") && lines[1].contains("hair.density"), "{plain}");
+        let drawn = Failure::from(error()).render(true);
+        assert!(drawn.contains("\n2 | length = -1\n") && drawn.contains("\n3 | density = -1\n"), "{drawn}");
     }
 
     /// The mark stands under the fault, on whatever line and after whatever characters it comes.

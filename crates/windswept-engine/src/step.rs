@@ -22,7 +22,7 @@ const ONE_WORKGROUP: u32 = 1;
 
 /// Records one step.
 pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
-    forcing::record(r, plan); //      1. Bad strands are reset; clamps, bodies and air move; wind enters; hair drifts.
+    forcing::record(r, plan); //      1. Reset invalid strands; clamps, bodies, air move; wind enters; hair drifts.
     neighbours::record(r, plan); // 2. Sort particles into cells, list neighbours.
     fluid::record(r, plan); //      3. Air stays incompressible: by pressures, or a density constraint (eq. 1).
     rods::record(r, plan); //       4. Strands keep their length and shape, and stay out of bodies.
@@ -89,7 +89,7 @@ impl Plan {
         self.conditions.recover = self.conditions.hair.clone();
     }
 
-    /// Whether they run, or there are no strands.
+    /// Whether the passes that recover strands run, or no strands need them.
     pub(crate) fn recovers_strands(&self) -> bool {
         self.conditions.recover == self.conditions.hair
     }

@@ -1,6 +1,6 @@
 //! Frames: the state at one time, and the frames of a run.
 
-use numpy::{PyArray1, PyArray2};
+use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::{exceptions::PyStopIteration, prelude::*};
 
 use windswept_export::Schedule;
@@ -18,6 +18,9 @@ pub(crate) struct Frame {
     hair: Py<FrameHair>,
     /// The air particles.
     air: Py<FrameAir>,
+    /// `(bodies, 7)` float64: translation [m] and rotation, quaternion x, y, z, w, of each body in the scene's order, as
+    /// `Simulation.set_body` takes them.
+    bodies: Py<PyArray2<f64>>,
 }
 
 /// The strands of a frame: points root to tip, one strand after the other.
@@ -60,7 +63,16 @@ impl Frame {
             vorticity: PyArray1::from_vec(py, frame.air.vorticity).unbind(),
             band_energy: PyArray1::from_vec(py, frame.air.band_energy).unbind(),
         };
-        Ok(Self { step: frame.step, time: frame.time, hair: Py::new(py, hair)?, air: Py::new(py, air)? })
+        let poses = frame.bodies.iter();
+        let poses: Vec<f64> =
+            poses.flat_map(|pose| pose.translation.to_array().into_iter().chain(pose.rotation.to_array())).collect();
+        Ok(Self {
+            step: frame.step,
+            time: frame.time,
+            hair: Py::new(py, hair)?,
+            air: Py::new(py, air)?,
+            bodies: PyArray1::from_vec(py, poses).reshape([frame.bodies.len(), 7])?.unbind(),
+        })
     }
 }
 

@@ -275,17 +275,17 @@ impl SceneValues {
     /// Reason why the pressure is not solved for on a coarse grid; `None` if it is.
     #[must_use]
     pub fn why_no_coarse(&self) -> Option<&'static str> {
+        self.why_never_coarse().or((!self.fluid.coarse).then_some("fluid.coarse is false"))
+    }
+
+    /// Why no value of `fluid.coarse` makes a coarse grid; `None` where one does.
+    pub(crate) fn why_never_coarse(&self) -> Option<&'static str> {
+        let few = MIN_COARSE_RADIUS;
         if self.fluid.solver == FluidSolver::Pbf {
             Some("fluid.solver is pbf")
-        } else if !self.fluid.coarse {
-            Some("fluid.coarse is false")
         } else if self.interaction.model == Model::Particles {
             Some("interaction.model is particles: the coarse grid does not know hair")
-        } else if self
-            .air
-            .as_ref()
-            .is_some_and(|air| air.kernel_radius < MIN_COARSE_RADIUS * air.particle_volume().cbrt())
-        {
+        } else if self.air.as_ref().is_some_and(|air| air.kernel_radius < few * air.particle_volume().cbrt()) {
             Some("air.kernel_radius is below 1.5 particle spacings, too few neighbours for the coarse grid's pressure")
         } else {
             None

@@ -111,6 +111,7 @@ const UNREAD: &[(&[&str], Unread)] = &[
             "air.seed",
             "air.inflow",
             "air.skin_friction",
+            "force.uptake",
             "fluid",
             "turbulence",
             "viscosity",
@@ -122,10 +123,10 @@ const UNREAD: &[(&[&str], Unread)] = &[
         |given| given.hair.is_empty().then_some("the scene has no hair"),
     ),
     (&["air.skin_friction"], |given| given.scene.bodies.is_empty().then_some("the scene has no bodies")),
-    (&["fluid.pressure_iterations", "fluid.coarse", "air.skin_friction"], |given| {
+    (&["fluid.pressure_iterations", "air.skin_friction"], |given| {
         (given.scene.fluid.solver == FluidSolver::Pbf).then_some("fluid.solver is pbf")
     }),
-    (&["fluid.coarse"], |given| given.scene.why_no_coarse().filter(|_| given.scene.fluid.coarse)),
+    (&["fluid.coarse"], |given| given.scene.why_never_coarse()),
     (&["fluid.iterations", "fluid.relaxation"], |given| {
         let pressure_alone = given.scene.fluid.solver == FluidSolver::Divergence;
         let one_fluid = given.scene.interaction.model == Model::Particles;
