@@ -23,6 +23,8 @@ def test_a_body_goes_where_it_is_set(scene):
         sim.step()
     still.step(10)
     assert np.abs(sim.hair.positions - still.hair.positions).max() > 1e-5
+    pose = next(sim.frames(1)).bodies
+    assert pose.shape == (1, 7) and np.allclose(pose, [[0, 0.018, 0, 0, 0, np.sin(0.45), np.cos(0.45)]])
     sim.set_body("ball", [0, 0, 0], velocity=[0, 1, 0], angular_velocity=[0, 0, 3])
     sim.step()
     for arguments, words in [

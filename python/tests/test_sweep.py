@@ -80,6 +80,15 @@ def test_a_case_keeps_its_film_and_the_numbers_of_each(short, tmp_path, monkeypa
     again = sweep.run(filmed, {"turbulence.scale": [0.006, 0.009]}, tmp_path, film="vtkhdf", each=each)
     assert [case.status for case in again] == ["skipped", "finished"]
     assert [case.numbers for case in again] == [case.numbers for case in cases]
+    # A function that fails leaves the sheet, and the table of what it did.
+    (tmp_path / "sheet.png").unlink()
+
+    def fails(case):
+        return {"swing_m": 1.0} if case.index == 0 else {}["missing"]
+
+    with pytest.raises(KeyError, match="missing"):
+        sweep.run(filmed, {"turbulence.scale": [0.006, 0.009]}, tmp_path, film="vtkhdf", each=fails)
+    assert table(tmp_path)[0]["swing_m"] == "1.0" and (tmp_path / "sheet.png").exists()
     for wrong in ({"film": "gif"}, {"film": "vtkhdf", "checkpoint_every": 5}):
         with pytest.raises(ValueError, match="film"):
             sweep.run(short, {"seed": [1]}, tmp_path, **wrong)

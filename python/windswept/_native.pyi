@@ -120,7 +120,7 @@ class CheckedScene:
     def replaced(self, changes: dict[str, Any]) -> CheckedScene:
         """The scene with other values under dotted keys."""
     def values(self, every: bool) -> dict[str, Any]:
-        """Its values as it was written, without those that follow from others; with `every`, those too."""
+        """Values of the scene as it was written, without those that follow from others; with `every`, those too."""
     def to_toml(self) -> str:
         """The scene as TOML, every table with its heading."""
     @property
@@ -666,6 +666,11 @@ class Frame:
     @property
     def air(self) -> FrameAir:
         """The air particles."""
+    @property
+    def bodies(self) -> NDArray[np.float64]:
+        """`(bodies, 7)` float64: translation [m] and rotation, quaternion x, y, z, w, of each body in the scene's order, as
+        `Simulation.set_body` takes them.
+        """
 
 @final
 class FrameHair:
