@@ -131,7 +131,7 @@ fn small_bindings_are_named() {
     };
     let error = with_binding(16 << 10).err().unwrap();
     assert!(matches!(error, Error::Gpu(GpuError::TooLarge { limit: 16_384, .. })), "{error}");
-    assert!(error.to_string().contains("expected a larger air.particle_mass"), "{error}");
+    assert!(error.to_string().contains("expected a larger air.spacing"), "{error}");
     let mut enough = with_binding(256 << 10).unwrap();
     enough.step(2).unwrap();
 }

@@ -287,7 +287,7 @@ fn overflowing_sizes_are_errors() {
         })
     };
     // 1e12 particles of air, in a large box and of little mass, and 1e12 strands and points.
-    assert!(scene(&["air.box.max=[48, 48, 48]", "air.particle_mass=1.4e-10"]).contains("particles"));
+    assert!(scene(&["air.box.max=[48, 48, 48]", "air.spacing=4.77e-4"]).contains("particles"));
     assert!(scene(&["hair.strands=1000000000000"]).contains("hair.strands"));
     assert!(scene(&["hair.strands=16777216", "hair.points=16384"]).contains("points"));
     assert!(scene(&["hair.points=18446744073709551616"]).contains("hair.points"));

@@ -19,6 +19,7 @@ const COMMON: &[(&str, &str)] = &[
     ("seed", "7"),
     ("time.step", "1e-3"),
     ("time.substeps", "2"),
+    ("time.settle", "0.01"),
     ("hair.strands", "21"),
     ("hair.points", "7"),
     ("hair.length", "0.05"),
@@ -62,7 +63,7 @@ const COMMON: &[(&str, &str)] = &[
     ("air.box.min", "[0.001, 0, 0]"),
     ("air.box.max", "[0.11, 0.05, 0.05]"),
     ("air.rest_density", "1.2"),
-    ("air.particle_mass", "1.6e-7"),
+    ("air.spacing", "5e-3"),
     ("air.kernel_radius", "0.009"),
     ("air.wind", "[3, 0.5, 0]"),
     ("air.fringe", "0.02"),
@@ -104,16 +105,19 @@ const OUTSIDE: &[&str] = &["air.kinematic_viscosity", "interaction.lift"];
 type Other = (fn(&mut Scene), &'static [(&'static str, &'static str)]);
 
 const OTHERS: &[Other] = &[
-    (|scene| scene.bodies.clear(), &[
-        ("method", "'published'"),
-        ("interaction.model", "'drag'"),
-        ("rods.solver", "'gauss-seidel'"),
-    ]),
-    (|scene| scene.hair = vec![Hair::drawn(8, 6, 0.04, Roots::cap([0.03, 0.035, 0.025], 0.008))], &[
-        ("hair.roots.center", "[0.031, 0.035, 0.025]"),
-        ("hair.roots.radius", "0.009"),
-        ("hair.roots.direction", "[1, 0, 0.1]"),
-    ]),
+    (
+        |scene| scene.bodies.clear(),
+        &[("method", "'published'"), ("interaction.model", "'drag'"), ("rods.solver", "'gauss-seidel'")],
+    ),
+    (
+        |scene| scene.hair = vec![Hair::drawn(8, 6, 0.04, Roots::cap([0.03, 0.035, 0.025], 0.008))],
+        &[
+            ("hair.roots.center", "[0.031, 0.035, 0.025]"),
+            ("hair.roots.radius", "0.009"),
+            ("hair.roots.direction", "[1, 0, 0.1]"),
+        ],
+    ),
+    (|scene| scene.hair[0].motion = Motion::default(), &[("hair.body", "'ball'")]),
     (
         |scene| {
             let stiffness = StrandStiffness { stretch: 10.0, bend: 1e-8, twist: 1e-8, poissons_ratio: 0.38 };
@@ -121,11 +125,10 @@ const OTHERS: &[Other] = &[
         },
         &[("hair.stretch_stiffness", "1"), ("hair.bend_stiffness", "2e-8"), ("hair.twist_stiffness", "2e-8")],
     ),
-    (|scene| scene.bodies = vec![Body::capsule([0.045, 0.028, 0.02], [0.045, 0.028, 0.03], 0.008)], &[
-        ("body.radius", "0.0075"),
-        ("body.start", "[0.045, 0.028, 0.015]"),
-        ("body.end", "[0.045, 0.028, 0.035]"),
-    ]),
+    (
+        |scene| scene.bodies = vec![Body::capsule([0.045, 0.028, 0.02], [0.045, 0.028, 0.03], 0.008)],
+        &[("body.radius", "0.0075"), ("body.start", "[0.045, 0.028, 0.015]"), ("body.end", "[0.045, 0.028, 0.035]")],
+    ),
     (
         |scene| {
             let band = Band { scale: 0.008, strength: Band::STRENGTH, intensity: 0.5 };
@@ -141,10 +144,10 @@ const OTHERS: &[Other] = &[
             ("air.inflow.intensity", "0.4"),
         ],
     ),
-    (|scene| scene.turbulence.filter = Some(Filter::Direct(DirectFilter { cutoff: 3.0 })), &[(
-        "turbulence.cutoff",
-        "2.5",
-    )]),
+    (
+        |scene| scene.turbulence.filter = Some(Filter::Direct(DirectFilter { cutoff: 3.0 })),
+        &[("turbulence.cutoff", "2.5")],
+    ),
     (
         |scene| {
             let (kinematic_hair, kinematic_air) = (Some(1e-5), Some(1e-4));
@@ -155,7 +158,8 @@ const OTHERS: &[Other] = &[
     (
         |scene| {
             let keyframe = |time, strength| Strength { time, strength };
-            (scene.forces[0].strength, scene.forces[0].keyframes) = (None, vec![keyframe(0.0, 1.0), keyframe(0.1, 3.0)]);
+            (scene.forces[0].strength, scene.forces[0].keyframes) =
+                (None, vec![keyframe(0.0, 1.0), keyframe(0.1, 3.0)]);
         },
         &[("force.keyframes.1.time", "0.05"), ("force.keyframes.1.strength", "4")],
     ),
@@ -195,7 +199,7 @@ fn tuft() -> Scene {
     let mut scene = Scene::new(Time::new(1.38e-3, 1.0));
     let roots = Roots::disc([0.03, 0.035, 0.025], 0.003).toward([1.0, -0.4, 0.0]);
     let keyframe = |time, x: f64| Keyframe { translation: [x, 0.0, 0.0], ..Keyframe::new(time) };
-    let motion = Motion { keyframes: vec![keyframe(0.0, 0.0), keyframe(0.05, 0.01)] };
+    let motion = Motion::from(vec![keyframe(0.0, 0.0), keyframe(0.05, 0.01)]);
     scene.hair = vec![Hair { motion: motion.clone(), ..Hair::drawn(20, 6, 0.04, roots).curled(0.002, 0.02) }];
     scene.bodies = vec![Body { motion, ..Body::sphere([0.045, 0.028, 0.029], 0.008).named("ball") }];
     let gust = [Gust { time: 0.0, velocity: [0.0; 3] }, Gust { time: 0.02, velocity: [1.0, 0.0, 0.5] }].into();
@@ -219,7 +223,8 @@ fn stepped(simulation: &mut Simulation) -> Vec<u32> {
 /// A scene and one with another value of a key: a running simulation takes or names it, and it acts or has a warning.
 fn check(gpu: &Gpu, base: &Scene, expected: &[u32], key: &str, value: &str, wrong: &mut Vec<String>) {
     let set = base.with(&Assignments(vec![(key.to_owned(), value.to_owned())]));
-    let (other, mut begun) = match set.map_err(Error::from).and_then(|other| Ok((Simulation::new(gpu, &other)?, other))) {
+    let (other, mut begun) = match set.map_err(Error::from).and_then(|other| Ok((Simulation::new(gpu, &other)?, other)))
+    {
         Ok((simulation, other)) => (other, simulation),
         Err(error) => return wrong.push(format!("{key}: {error}")),
     };
@@ -284,9 +289,8 @@ fn every_key_is_tested() {
     let tested: BTreeSet<String> = tested.map(|(key, _)| plain(key)).collect();
     let is_leaf = |key: &&Key| !matches!(key.kind, Kind::Table | Kind::Tables);
     let all: BTreeSet<&str> = KEYS.iter().filter(is_leaf).map(|key| key.path.as_str()).collect();
-    let is_in = |path: &str| {
-        tested.contains(path) || path.split_once('.').is_some_and(|(table, _)| tested.contains(table))
-    };
+    let is_in =
+        |path: &str| tested.contains(path) || path.split_once('.').is_some_and(|(table, _)| tested.contains(table));
     let missing: Vec<&&str> = all.iter().filter(|path| !is_in(path)).collect();
     assert!(missing.is_empty(), "{missing:?}");
     let unknown: Vec<_> = tested.iter().filter(|path| Key::find(path).is_none()).collect();

@@ -12,10 +12,10 @@ use windswept_scene::{Air, InitialState, Scene, Time};
 /// Air of so many particles.
 fn air(particles: f64) -> Scene {
     let volume = 0.1_f64.powi(3) / particles;
-    let (particle_mass, kernel_radius) = (Air::REST_DENSITY * volume, 2.0 * volume.cbrt());
+    let (spacing, kernel_radius) = (volume.cbrt(), Some(2.0 * volume.cbrt()));
     let air = Air::filling([0.1; 3]).wind([2.0, 0.0, 0.0]);
     let mut scene = Scene::new(Time::new(1e-3, 1.0));
-    scene.air = Some(Air { particle_mass, kernel_radius, jitter: Some(0.0), ..air });
+    scene.air = Some(Air { spacing, kernel_radius, jitter: Some(0.0), ..air });
     scene
 }
 

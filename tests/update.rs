@@ -60,7 +60,7 @@ fn changes() -> Vec<Change> {
         ("hair.friction", |scene| scene.hair[0].friction = 0.6),
         ("body.motion", |scene| {
             let keyframe = |time, x| Keyframe { time, translation: [x, 0.0, 0.0], rotation: [0.0; 3] };
-            scene.bodies[0].motion = Motion { keyframes: vec![keyframe(0.0, 0.0), keyframe(0.1, 0.02)] };
+            scene.bodies[0].motion = Motion::from(vec![keyframe(0.0, 0.0), keyframe(0.1, 0.02)]);
         }),
         ("force.strength", |scene| scene.forces[0].strength = Some(2.5)),
         ("camera.fov", |scene| scene.camera.fov = 30.0),
@@ -152,7 +152,7 @@ fn a_body_that_is_set_is_one_with_keyframes() {
         rotation: way(time).rotation.to_scaled_axis().to_array(),
         ..Keyframe::new(time)
     };
-    keyframed.bodies[0].motion = Motion { keyframes: [0.0, 2.0 * 1.38e-3, 0.1].map(keyframe).into() };
+    keyframed.bodies[0].motion = [0.0, 2.0 * 1.38e-3, 0.1].map(keyframe).into();
     let mut expected = Simulation::new(&gpu, &keyframed).unwrap();
     let mut set = Simulation::new(&gpu, &scene()).unwrap();
     let mut still = Simulation::new(&gpu, &scene()).unwrap();
@@ -211,6 +211,34 @@ fn a_body_with_a_velocity_jumps() {
     // 5.8 m/s over the step, 1 m/s, none.
     assert!(dash.y < 3.0 * drift.y && drift.y < 0.0, "{dash} {drift}");
     assert!(jump.length() < 0.2 * drift.length(), "{jump} {drift}");
+}
+
+/// Roots that are on no mesh go with the body that they name, about its centre, by keyframes and where it is set.
+#[test]
+fn hair_goes_with_the_body_that_it_names() {
+    let gpu = support::gpu();
+    let mut rooted = scene();
+    (rooted.hair[0].body, rooted.hair[0].friction) = (Some("ball".to_owned()), 0.0);
+    (rooted.air, rooted.interaction.model) = (None, Some(Model::None));
+    (rooted.turbulence, rooted.forces) = (Turbulence::default(), Vec::new());
+    let turn = |angle: f64| Keyframe { rotation: [0.0, angle, 0.0], ..Keyframe::new(10.0 * angle) };
+    let mut keyframed = rooted.clone();
+    keyframed.bodies[0].motion = [turn(0.0), turn(0.02)].into();
+    let pose = Pose { rotation: DQuat::from_rotation_y(0.1 * 6.9e-3), ..Pose::default() };
+    let center = DVec3::new(0.07, 0.01, 0.025);
+    let mut by_keyframes = Simulation::new(&gpu, &keyframed).unwrap();
+    let mut by_program = Simulation::new(&gpu, &rooted).unwrap();
+    let before = by_program.clamps().unwrap();
+    by_keyframes.step(5).unwrap();
+    by_program.set_body("ball", pose, None).unwrap();
+    by_program.step(1).unwrap();
+    for simulation in [&by_keyframes, &by_program] {
+        let now = simulation.clamps().unwrap();
+        let off = before.iter().zip(now).map(|((x, _), (now, _))| now.distance(pose.place(center, *x)));
+        let off = off.fold(0.0, f64::max);
+        assert!(off < 1e-7, "{off:e}");
+    }
+    assert!(before.iter().zip(by_program.clamps().unwrap()).all(|((x, _), (now, _))| x.distance(now) > 1e-5));
 }
 
 /// Hair on a mesh goes with it, where the mesh is set.
@@ -429,7 +457,7 @@ fn updates_keep_or_replace_what_was_set() {
     simulation.step(1).unwrap();
     let mut moving = titled.clone();
     let far = Keyframe { translation: [0.0, 0.0, 0.005], ..Keyframe::new(0.0) };
-    moving.bodies[0].motion = Motion { keyframes: vec![far] };
+    moving.bodies[0].motion = Motion::from(vec![far]);
     simulation.update(&moving).unwrap();
     assert_eq!(simulation.frame().unwrap().bodies[0].translation, DVec3::new(0.0, 0.0, 0.005));
     let error = simulation.hair_loads().unwrap_err().to_string();

@@ -75,7 +75,7 @@ fn is_small(scene: &Scene) -> bool {
     let hair: f64 = scene.hair.iter().map(|hair| points(&hair.source)).sum();
     let air = scene.air.as_ref().and_then(|air| Some((air, air.bounds.as_ref()?))).map_or(0.0, |(air, bounds)| {
         let size = [0, 1, 2].map(|k| bounds.max[k] - bounds.min[k]);
-        size.iter().product::<f64>() * air.rest_density / air.particle_mass
+        size.iter().product::<f64>() / air.spacing.powi(3)
     });
     hair < FEW && air < FEW
 }

@@ -144,7 +144,7 @@ class Groom:
         radius: of a fibre [m]; of a flat one the semi-major axis, along d2.
         density: of a fibre [kg/m³].
         youngs_modulus: E [Pa].
-        poissons_ratio: 0 to below 1.
+        poissons_ratio: above -1, at most 0.5.
         rest_curvature: rest Darboux vector (kappa1, kappa2, tau) [1/m] in the material frame: `(3,)`, `(strands, 3)`,
             `(strands, n - 1, 3)` or, with offsets, `(segments, 3)`: one a joint, joint 0 the clamp. A clamped tip's joint is as the
             last. None: the given shape is the rest shape, tip_frame included; frames go from segment to segment by the

@@ -145,7 +145,7 @@ class Scalp(Table):
 
 
 class Keyframe(Table):
-    """Keyframes of the roots, about the centre of their shape, or about the origin of a groom or mesh file:
+    """Keyframes of the roots, about the centre of their shape, or about the origin of a groom file; not with a body:
     `[hair.motion]`. Keyframes of the body, about its centre, or about the origin of its mesh file: `[body.motion]`.
     """
 
@@ -238,7 +238,7 @@ class Hair(Table):
     """Young's modulus E of a fibre; not with the three stiffnesses. A number greater than 0 [Pa]. Default 4000000000.0.
     """
     poissons_ratio: Key[float, float] = key(default=0.38)
-    """Poisson's ratio ν: G = E/(2 (1 + ν)), GA = EA/(2 (1 + ν)). A number from 0 to below 1. Default 0.38."""
+    """Poisson's ratio ν: G = E/(2 (1 + ν)), GA = EA/(2 (1 + ν)). A number above -1, at most 0.5. Default 0.38."""
     stretch_stiffness: Key[float | None, float | None] = key(default=None)
     """Stretch stiffness EA of the strand; the three stiffnesses go together. A number greater than 0 [N]. Without it:
     needed with the three stiffnesses.
@@ -269,9 +269,11 @@ class Hair(Table):
     """Seed that draws the group's root positions, length variation and curl phase, or the strands of its file that are
     simulated. A whole number of at least 0, at most 4294967295. Without it: from seed, another one for each group.
     """
+    body: Key[str | None, str | None] = key(default=None)
+    """Name of the body whose motion the roots take part in. A string. Without it: that of roots.body, else none."""
     motion: Key[list[Keyframe], Keyframe | Sequence[Keyframe]] = key(factory=list, of=Keyframe, kind="tables")
-    """Keyframes of the roots, about the centre of their shape, or about the origin of a groom or mesh file. Without it:
-    roots rest, or move as the body that they are on.
+    """Keyframes of the roots, about the centre of their shape, or about the origin of a groom file; not with a body.
+    Without it: roots rest, or move as their body.
     """
 
 
@@ -468,12 +470,13 @@ class Air(Table):
     """
     rest_density: Key[float, float] = key(default=1.29)
     """Rest density ρ0. A number greater than 0 [kg/m³]. Default 1.29."""
-    particle_mass: Key[float, float] = key(default=1.46e-07)
-    """Mass of an air particle; the count is rounded, and the mass adjusted so that the mean density is exact. A number
-    greater than 0 [kg]. Default 1.46e-07.
+    spacing: Key[float, float] = key(default=0.004837)
+    """Spacing d of the air particles, by which the air is fine or coarse: a box has its volume over d³ of them. It is
+    rounded along each side of the box. The paper's particles of 1.46e-7 kg are 4.837 mm apart. A length in metres
+    greater than 0. Default 0.004837.
     """
-    kernel_radius: Key[float, float] = key(default=0.0093)
-    """Kernel radius h. A length in metres greater than 0. Default 0.0093."""
+    kernel_radius: Key[float | None, float | None] = key(default=None)
+    """Kernel radius h. A length in metres greater than 0. Without it: 1.923 spacings."""
     wind: Key[NDArray[float64] | None, ArrayLike | None] = key(default=None, kind="vector")
     """Mean wind U. Three numbers, [x, y, z] [m/s]. Without it: needed with every model but none."""
     fringe: Key[float | None, float | None] = key(default=None)

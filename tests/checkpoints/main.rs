@@ -33,7 +33,7 @@ direction = [1.0, 0.0, 0.0]
 [air]
 box = { min = [0.0, 0.0, 0.0], max = [0.06, 0.04, 0.04] }
 rest_density = 1.29
-particle_mass = 1.46e-7
+spacing = 4.837e-3
 kernel_radius = 9.3e-3
 wind = [2.0, 0.0, 0.0]
 fringe = 0.01

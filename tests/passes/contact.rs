@@ -149,7 +149,7 @@ pub const FAULTS: &[Fault] = &[
 
 fn body(shape: Shape, keyframes: &[(f64, [f64; 3], [f64; 3])]) -> Body {
     let keyframe = |&(time, translation, rotation)| Keyframe { time, translation, rotation };
-    let motion = Motion { keyframes: keyframes.iter().map(keyframe).collect() };
+    let motion = Motion::from(keyframes.iter().map(keyframe).collect::<Vec<_>>());
     Body { name: "body".into(), shape, friction: 0.4, motion }
 }
 

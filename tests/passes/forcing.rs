@@ -249,7 +249,7 @@ fn roots_by_keyframes_are_those_of_the_reference() {
                 keyframe(start + 0.004, [0.02, 0.01, 0.0], [1.0, 0.3, 0.2]),
                 keyframe(start + 3.0, [0.0, -0.01, 0.0], [1.0, -0.3, 0.2]),
             ];
-            hair.motion = Motion { keyframes };
+            hair.motion = Motion::from(keyframes);
         }
         let initial = InitialState::new(&scene).unwrap();
         let fixture = Fixture::new(&scene, &initial);

@@ -106,7 +106,7 @@ fn two_runs_give_the_same_bits() {
     let at = |time, y| Keyframe { time, translation: [0.0, y, 0.0], rotation: [0.0; 3] };
     let ball = Body {
         friction: 0.4,
-        motion: Motion { keyframes: vec![at(0.0, 0.0), at(0.1, 0.04)] },
+        motion: Motion::from(vec![at(0.0, 0.0), at(0.1, 0.04)]),
         ..Body::sphere([0.06, 0.0, 0.03], 0.01)
     };
     for model in [Model::Particles, Model::TwoWay] {

@@ -226,7 +226,7 @@ fn strength_is_independent_of_the_discretisation() {
         let mut scene = scene(0.012, 3e-3);
         scene.turbulence.filter = Some(Filter::Grid(GridFilter { spacing: nodes }));
         scene.time.step = step;
-        scene.air.as_mut().unwrap().kernel_radius = kernel;
+        scene.air.as_mut().unwrap().kernel_radius = Some(kernel);
         let mut initial = lattice([12 * finer; 3], SIMPLE);
         let air = &mut initial.air;
         let parts = (finer * finer * finer) as f64;

@@ -90,13 +90,17 @@ pub(crate) enum Command {
     #[cfg(feature = "spectrum")]
     /// Energy of a run's air by size of eddies, at its first and at its last frame, as a table and a picture
     Spectrum(SpectrumOptions),
-    /// Read a scene, say what was understood, and write nothing
+    /// Read a scene, say what was understood, try a few steps, and write nothing
     Check {
         /// Scene file (TOML)
         #[arg(value_name = "SCENE", required_unless_present_any = ["explain", "schema"])]
         path: Option<PathBuf>,
         #[command(flatten)]
         changes: Changes,
+        /// The adapter on which the steps are tried: part of a GPU's name, or `software` [default: $WGPU_ADAPTER_NAME, else
+        /// the best]
+        #[arg(long, value_name = "NAME")]
+        adapter: Option<String>,
         /// Print every key there is: its default, meaning and unit; needs no SCENE
         #[arg(long)]
         explain: bool,

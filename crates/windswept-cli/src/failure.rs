@@ -186,7 +186,9 @@ mod tests {
     /// Each fault of a scene has its own lines.
     #[test]
     fn all_faults_are_shown() {
-        let error = || Scene::parse("[hair]\nlength = -1\ndensity = -1\n").and_then(|scene| scene.check()).expect_err("two faults");
+        let error = || {
+            Scene::parse("[hair]\nlength = -1\ndensity = -1\n").and_then(|scene| scene.check()).expect_err("two faults")
+        };
         let plain = Failure::from(error()).render(false);
         let lines: Vec<_> = plain.lines().collect();
         assert!(lines.len() == 2 && lines[0].starts_with("error: ") && lines[1].starts_with("error: "), "{plain}");

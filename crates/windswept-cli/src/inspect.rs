@@ -1,8 +1,11 @@
 //! The commands that only look: `check`, `plan`, `adapters`.
 
-use std::path::Path;
+use std::{
+    path::Path,
+    time::{Duration, Instant},
+};
 
-use windswept::{AdapterChoice, Gpu};
+use windswept::{AdapterChoice, Gpu, Simulation};
 use windswept_export::{Followers, Schedule};
 use windswept_scene::{CheckedForce, CheckedScene, InitialState, Scene};
 
@@ -11,10 +14,11 @@ use crate::console::{Console, counted_frames};
 use crate::failure::Failure;
 use crate::groom::shown_box;
 
-/// `windswept check`: the scene as it is understood, and the time and memory that a run would take.
+/// `windswept check`: the scene as it is understood, and the memory and the time that a run would take.
 pub(crate) fn check(
     path: Option<&Path>,
     changes: &Changes,
+    adapter: Option<&str>,
     explain: bool,
     console: &mut Console<'_>,
 ) -> Result<(), Failure> {
@@ -37,7 +41,64 @@ pub(crate) fn check(
     for warning in initial.warnings.iter().cloned().chain(Schedule::warning(&scene.time)) {
         console.warn(warning);
     }
+    // Last, as the first step may have to wait for the driver's compiler.
+    let run = Trial::run(&scene, initial, adapter)
+        .map_or_else(|failure| format!("was not tried: {}", failure.why()), |trial| trial.words(&scene));
+    console.print(format_args!("{:<9} {run}", "run"));
     Ok(())
+}
+
+/// Longest time that steps are tried, behind the first two \[s\].
+const TRIED: Duration = Duration::from_millis(500);
+
+/// A few steps of a scene on an adapter.
+struct Trial {
+    adapter: String,
+    /// Time of a step \[s\].
+    step: f64,
+    air_particles: u64,
+}
+
+impl Trial {
+    fn run(scene: &CheckedScene, initial: InitialState, adapter: Option<&str>) -> Result<Self, Failure> {
+        let gpu = Gpu::new(&AdapterChoice::from_flag(adapter))?;
+        // A state of one's own does not settle.
+        let mut simulation = Simulation::with_state(&gpu, scene, initial)?;
+        // The first step has its pipelines compiled, and the second one begins with the state that the first one left.
+        simulation.step(2)?;
+        let (start, mut steps) = (Instant::now(), 0);
+        while steps == 0 || start.elapsed() < TRIED {
+            simulation.step(1)?;
+            steps += 1;
+        }
+        let step = start.elapsed().as_secs_f64() / f64::from(steps);
+        Ok(Self { adapter: gpu.info().to_string(), step, air_particles: simulation.counts().air })
+    }
+
+    /// The time of the run, and the spacings of air with which it would take a minute and an hour: a step takes a time in
+    /// proportion to its particles.
+    fn words(&self, scene: &CheckedScene) -> String {
+        let steps = Schedule::new(&scene.time, None).steps();
+        let whole = self.step * steps as f64;
+        let spacing = |seconds: f64| scene.air.as_ref().map(|air| air.spacing * (whole / seconds).cbrt());
+        let other = match (spacing(60.0), spacing(3600.0)) {
+            (Some(minute), Some(hour)) if self.air_particles > 0 => {
+                format!("; with air.spacing = {minute:.4} a minute, {hour:.4} an hour")
+            }
+            _ => String::new(),
+        };
+        let step = 1e3 * self.step;
+        format!("about {}, {steps} steps of {step:.3} ms, on {}{other}", period(whole), self.adapter)
+    }
+}
+
+/// A time for people.
+fn period(seconds: f64) -> String {
+    match seconds {
+        ..100.0 => format!("{seconds:.1} s"),
+        ..6000.0 => format!("{:.1} minutes", seconds / 60.0),
+        _ => format!("{:.1} hours", seconds / 3600.0),
+    }
 }
 
 /// `windswept check --schema`.

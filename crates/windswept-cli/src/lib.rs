@@ -82,7 +82,9 @@ fn dispatch(command: &Command, console: &mut Console<'_>) -> Result<(), Failure>
         Command::Render(options) => render::render(options, console),
         Command::Export(options) => export::export(options, console),
         Command::Check { schema: true, .. } => inspect::schema(console),
-        Command::Check { path, changes, explain, .. } => inspect::check(path.as_deref(), changes, *explain, console),
+        Command::Check { path, changes, adapter, explain, .. } => {
+            inspect::check(path.as_deref(), changes, adapter.as_deref(), *explain, console)
+        }
         Command::Plan { scene, buffers } => inspect::plan(scene, *buffers, console),
         Command::Measure(arguments) => measure::measure(arguments, console),
         #[cfg(feature = "spectrum")]

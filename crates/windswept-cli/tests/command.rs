@@ -355,6 +355,10 @@ fn looking_needs_no_folder() {
         "accurate: interaction two-way, air by divergence",
         "72 steps of 1.38 ms, 7 frames",
         "memory",
+        "run       about ",
+        " s, 72 steps of ",
+        "ms, on llvmpipe",
+        "; with air.spacing = 0.0",
     ] {
         assert!(said.contains(word), "{word}: {said}");
     }

@@ -113,7 +113,7 @@ fn remedy(array: &str, fits: u64) -> String {
             format!("about {fits} hair points would fit: expected fewer hair.strands or hair.points")
         }
         _ => format!(
-            "about {fits} particles would fit: expected a larger air.particle_mass, a smaller air.box or fewer \
+            "about {fits} particles would fit: expected a larger air.spacing, a smaller air.box or fewer \
             hair.strands"
         ),
     }

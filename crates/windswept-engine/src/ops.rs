@@ -310,7 +310,7 @@ impl<'a> Particles<'a> {
             if let Some(air) = &mut scene.air {
                 air.kernel_radius = self.radius;
                 air.rest_density = self.rest_density;
-                air.particle_mass = self.mass;
+                air.spacing = self.spacing();
             }
             prepare(scene);
         });

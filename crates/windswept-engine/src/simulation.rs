@@ -12,6 +12,7 @@ mod recover;
 mod report;
 mod sample;
 pub(crate) mod sections;
+mod settle;
 mod trace;
 mod update;
 
@@ -162,8 +163,11 @@ impl Simulation {
         Ok(Self { own_hair: true, ..own })
     }
 
-    /// A simulation whose air beside bodies has the velocity that it starts with.
-    fn started(gpu: &Gpu, scene: &CheckedScene, initial: InitialState, origin: Origin) -> Result<Self, Error> {
+    /// A simulation whose hair has settled, and whose air beside bodies has the velocity that it starts with.
+    fn started(gpu: &Gpu, scene: &CheckedScene, mut initial: InitialState, origin: Origin) -> Result<Self, Error> {
+        if origin == Origin::Validated {
+            Self::settle(gpu, scene, &mut initial)?;
+        }
         let mut simulation = Self::build(gpu, scene, initial, origin)?;
         if simulation.plan.conditions.walls.runs {
             let plan = &simulation.plan;

@@ -28,7 +28,7 @@ mod tests;
 
 use glam::{Quat, Vec3};
 use windswept_engine::{AirFrame, Frame, HairFrame};
-use windswept_scene::{CheckedBody, CheckedScene, Curves, Hair, Strands, limits::MAX_HAIRS};
+use windswept_scene::{CheckedBody, CheckedScene, Curves, Hair, InitialState, Strands, limits::MAX_HAIRS};
 
 use crate::error::ExportError;
 use crate::strands::check_strands;
@@ -141,6 +141,13 @@ impl Followers {
         of_file: impl Fn(usize, usize) -> usize,
     ) -> Result<Self, ExportError> {
         check_strands(start).map_err(|problem| ExportError::Picture { problem })?;
+        let parts = parts(scene, start.offsets.len() - 1, groom)?;
+        let drawn = if groom.is_none() && parts.iter().any(|part| part.file.is_some()) {
+            before_settling(scene, start)?
+        } else {
+            start.clone()
+        };
+        let start = &drawn;
         let mut made = Self {
             start: HairFrame { offsets: vec![0], ..HairFrame::default() },
             bonds: Vec::new(),
@@ -149,9 +156,8 @@ impl Followers {
             hair: Vec::new(),
             bodies: scene.bodies.clone(),
         };
-        let strands = start.offsets.len() - 1;
         let mut first = 0;
-        for Part { hair, strands: count, file } in parts(scene, strands, groom)? {
+        for Part { hair, strands: count, file } in parts {
             let group = Group::new(start, first..first + count);
             let before = made.len();
             match &file {
@@ -401,6 +407,22 @@ struct Part {
     strands: usize,
     /// All curves of its groom file, or of the caller's own groom, where those are more.
     file: Option<Curves>,
+}
+
+/// The strands before they settled, which the other curves of a groom file stand beside.
+fn before_settling(scene: &CheckedScene, start: &HairFrame) -> Result<HairFrame, ExportError> {
+    let mut frame = start.clone();
+    if scene.time.settle > 0.0 {
+        let initial = InitialState::new(scene).map_err(|error| ExportError::Picture { problem: error.to_string() })?;
+        let of_file = |hair: u32| scene.hair.get(hair as usize).is_some_and(|hair| hair.as_file().is_some());
+        let hair = &initial.hair;
+        for i in (0..hair.len()).filter(|s| of_file(hair.group[*s])).flat_map(|s| hair.points(s)) {
+            if let Some(x) = frame.positions.get_mut(i) {
+                *x = hair.positions[i].as_vec3().to_array();
+            }
+        }
+    }
+    Ok(frame)
 }
 
 /// The scene's groups, in the order of their strands; if the strands are the caller's own, a single group that is not

@@ -428,7 +428,7 @@ mod tests {
     }
 
     fn time(step: f64, duration: f64, frame_rate: f64) -> Time {
-        Time { step, substeps: 1, duration, frame_rate }
+        Time { frame_rate, ..Time::new(step, duration) }
     }
 
     /// At the paper's step and 60 frames a second: 725 steps in a second, frame 1 after round(12.077) = 12 steps.

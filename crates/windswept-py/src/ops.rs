@@ -19,7 +19,7 @@ use crate::{
 
 /// Kernel radius over particle spacing, where no argument says it: as in a scene of defaults.
 fn likely_ratio() -> f64 {
-    Air::KERNEL_RADIUS / (Air::PARTICLE_MASS / Air::REST_DENSITY).cbrt()
+    Air::KERNEL_RADIUS / Air::SPACING
 }
 
 pub(crate) fn add(m: &Bound<'_, PyModule>) -> PyResult<()> {

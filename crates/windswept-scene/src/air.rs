@@ -25,13 +25,13 @@ impl CheckedAir {
     /// Volume V of a particle before the count is rounded \[m³\].
     #[must_use]
     pub fn particle_volume(&self) -> f64 {
-        self.particle_mass / self.rest_density
+        self.spacing.powi(3)
     }
 
     /// Sites of the lattice that fills a box, along each axis.
     pub(crate) fn lattice(&self, bounds: &Bounds) -> DVec3 {
         let size = DVec3::from_array(bounds.max) - DVec3::from_array(bounds.min);
-        (size / self.particle_volume().cbrt()).round().max(DVec3::splat(3.0))
+        (size / self.spacing).round().max(DVec3::splat(3.0))
     }
 }
 
@@ -58,7 +58,7 @@ pub(crate) fn particles(
 ) -> AirParticles {
     let min = DVec3::from_array(bounds.min);
     let size = DVec3::from_array(bounds.max) - min;
-    let spacing = air.particle_volume().cbrt();
+    let spacing = air.spacing;
     let counts = air.lattice(bounds);
     let pitch = size / counts;
     let [nx, ny, nz] = counts.to_array().map(|n| n as usize);

@@ -193,7 +193,7 @@ pub(crate) fn datum(kind: Kind, value: &Value) -> Option<Datum> {
             let count = value.as_integer().and_then(|n| u32::try_from(n).ok());
             count.filter(|n| (least..=most).contains(n)).map(Datum::Count)
         }
-        Kind::Number | Kind::Length | Kind::Positive | Kind::NonNegative | Kind::Fraction | Kind::Share => {
+        Kind::Number | Kind::Length | Kind::Positive | Kind::NonNegative | Kind::Fraction | Kind::Within(..) => {
             number(value).filter(|x| kind.holds(*x)).map(Datum::Number)
         }
         Kind::Vector => vector(value).map(Datum::Vector),

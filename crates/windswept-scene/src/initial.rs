@@ -145,6 +145,8 @@ impl InitialState {
         warnings.extend(warnings::of_unread(scene, &hair));
         warnings.extend(warnings::of_place(&hair));
         warnings.extend(warnings::of_bodies(&hair, &bodies));
+        warnings.extend(warnings::of_roots(scene, &hair, &bodies));
+        warnings.extend(warnings::of_buoyancy(scene));
         warnings.extend(warnings::of_meshes(scene));
         let filled = scene.filled();
         if hair.is_empty() && filled.is_none() {

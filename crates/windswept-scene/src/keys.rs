@@ -27,8 +27,8 @@ pub enum Kind {
     NonNegative,
     /// A number from 0 to below 1.
     Fraction,
-    /// A number above 0, at most 1.
-    Share,
+    /// A number above the first, at most the second.
+    Within(f64, f64),
     /// Three numbers.
     Vector,
     /// Three numbers, not all 0; they are read as a unit vector.
@@ -146,7 +146,7 @@ impl Kind {
             Self::Length | Self::Positive => x > 0.0,
             Self::NonNegative => x >= 0.0,
             Self::Fraction => (0.0..1.0).contains(&x),
-            Self::Share => x > 0.0 && x <= 1.0,
+            Self::Within(above, most) => x > above && x <= most,
             _ => true,
         }
     }
@@ -169,7 +169,7 @@ impl Kind {
             Self::Positive => "a number greater than 0".to_owned(),
             Self::NonNegative => "a number of at least 0".to_owned(),
             Self::Fraction => "a number from 0 to below 1".to_owned(),
-            Self::Share => "a number above 0, at most 1".to_owned(),
+            Self::Within(above, most) => format!("a number above {above}, at most {most}"),
             Self::Vector => "three numbers, [x, y, z]".to_owned(),
             Self::Direction => "three numbers, [x, y, z], not all 0".to_owned(),
             Self::Choice(words) => {

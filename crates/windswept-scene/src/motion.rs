@@ -26,6 +26,9 @@ use crate::{
 pub struct Motion {
     /// Keyframes: their times rise, and from each to the next is less than half a turn.
     pub keyframes: Vec<Keyframe>,
+    /// The centre, where it is that of another thing, as of roots that move with a body \[m\]; a checked scene has it.
+    #[serde(skip)]
+    pub center: Option<DVec3>,
 }
 
 table! {
@@ -100,7 +103,13 @@ impl Motion {
 
 impl<const N: usize> From<[Keyframe; N]> for Motion {
     fn from(keyframes: [Keyframe; N]) -> Self {
-        Self { keyframes: keyframes.into() }
+        Self::from(Vec::from(keyframes))
+    }
+}
+
+impl From<Vec<Keyframe>> for Motion {
+    fn from(keyframes: Vec<Keyframe>) -> Self {
+        Self { keyframes, center: None }
     }
 }
 
@@ -119,7 +128,7 @@ impl Field for Motion {
     }
 
     fn read(row: Row<Self>, reader: &Reader<'_>) -> Option<Self> {
-        Vec::<Keyframe>::read(row.of_parts(), reader).map(|keyframes| Self { keyframes })
+        Vec::<Keyframe>::read(row.of_parts(), reader).map(Self::from)
     }
 
     /// Times must rise, and turns must be less than half a turn.
@@ -136,6 +145,6 @@ impl Field for Motion {
             );
             at.fault(&format!("{name}.{}.rotation", i + 1), words);
         }
-        Some(Self { keyframes })
+        Some(keyframes.into())
     }
 }

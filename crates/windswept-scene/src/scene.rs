@@ -31,10 +31,11 @@ use crate::{
     keys::{
         Fallback::{Derived, Required, Value},
         Key, Kind,
-        Kind::{Choice, Count, Positive, Table, Tables, Text, Vector},
+        Kind::{Choice, Count, NonNegative, Positive, Table, Tables, Text, Vector},
     },
     limits::{MAX_HAIR_POINTS, MAX_REPEATS, MAX_STRENGTH_KEYFRAMES, MIN_COARSE_RADIUS},
     load,
+    motion::Motion,
     picture::{Camera, Picture},
     reader::Reader,
     scatter::area,
@@ -178,6 +179,9 @@ table! {
         substeps: u32 = Count(1, MAX_REPEATS), "", Value(1);
         /// Length of the run.
         duration: f64 = Positive, "s", Required;
+        /// Time before the run in which hair comes to rest in still air, with roots and bodies as they are at the start. The
+        /// run begins with hair at rest there.
+        settle: f64 = NonNegative, "s", Value(0.0);
         /// Exported frames per second.
         frame_rate: f64 = Positive, "1/s", Value(60.0);
     }
@@ -199,7 +203,7 @@ impl Time {
     /// A run of `duration` \[s\] with steps of `step` \[s\] and 60 frames per second.
     #[must_use]
     pub fn new(step: f64, duration: f64) -> Self {
-        Self { step, substeps: 1, duration, frame_rate: 60.0 }
+        Self { step, substeps: 1, duration, settle: 0.0, frame_rate: 60.0 }
     }
 
     /// Steps and frames must be counted in 32 bits.
@@ -353,14 +357,34 @@ impl SceneValues {
         Some((total / PI).sqrt())
     }
 
-    /// Roots on a body whose hair has no keyframes of its own move as the body does.
+    /// Roots of a body whose hair has no keyframes of its own move as the body does.
     fn move_roots_with_bodies(&mut self, at: &At<'_>) {
         for i in 0..self.hair.len() {
-            let Some(Roots::Mesh(scalp)) = self.hair[i].as_drawn().map(|drawn| &drawn.roots) else { continue };
-            match self.scalp(scalp).map(|(body, ..)| body.motion.clone()) {
-                Ok(motion) if self.hair[i].motion.keyframes.is_empty() => self.hair[i].motion = motion,
-                Ok(_) => {}
-                Err(error) => at.fault_of(&error.within(&format!("hair.{i}.roots")), "hair", ""),
+            if let Some(Roots::Mesh(scalp)) = self.hair[i].as_drawn().map(|drawn| &drawn.roots)
+                && let Err(error) = self.scalp(scalp)
+            {
+                at.fault_of(&error.within(&format!("hair.{i}.roots")), "hair", "");
+                continue;
+            }
+            let Some(name) = self.hair[i].body().map(str::to_owned) else { continue };
+            match self.bodies.iter().find(|body| body.name == name) {
+                None => {
+                    let names: Vec<&str> = self.bodies.iter().map(|body| &*body.name).collect();
+                    let known = if names.is_empty() { "there is none".to_owned() } else { names.join(", ") };
+                    let words = format!("expected the name of a body of the scene, found \"{name}\": {known}");
+                    at.fault(&format!("hair.{i}.body"), words);
+                }
+                Some(body) if self.hair[i].motion.keyframes.is_empty() => {
+                    let center = Some(body.shape.center());
+                    self.hair[i].motion = Motion { center, ..body.motion.clone() };
+                }
+                Some(_) if self.hair[i].body.is_some() => {
+                    at.fault(
+                        &format!("hair.{i}.motion"),
+                        "goes with no hair.body, whose motion the roots take part in",
+                    );
+                }
+                Some(_) => {}
             }
         }
     }

@@ -52,7 +52,7 @@ fn of(key: &Key) -> Value {
         Kind::Length | Kind::Positive => json!({ "type": "number", "exclusiveMinimum": 0 }),
         Kind::NonNegative => json!({ "type": "number", "minimum": 0 }),
         Kind::Fraction => json!({ "type": "number", "minimum": 0, "exclusiveMaximum": 1 }),
-        Kind::Share => json!({ "type": "number", "exclusiveMinimum": 0, "maximum": 1 }),
+        Kind::Within(above, most) => json!({ "type": "number", "exclusiveMinimum": above, "maximum": most }),
         Kind::Vector | Kind::Direction => {
             json!({ "type": "array", "items": { "type": "number" }, "minItems": 3, "maxItems": 3 })
         }

@@ -6,7 +6,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 use crate::{
-    body::{CheckedShape, blocked},
+    body::{CheckedBody, CheckedShape, blocked},
     box_fit,
     error::spelled,
     force::ForceField,
@@ -39,6 +39,12 @@ const COARSE: f64 = 5e-4;
 
 /// Part of its shortest segment by which a strand's places may be rounded without a warning.
 const MUCH_ROUNDED: f64 = 0.02;
+
+/// Distance from a body up to which a root is on it \[m\].
+const ROOTED: f64 = 5e-3;
+
+/// Density of air over that of hair from which what is left out is said: a hundredth of the weight.
+const MUCH_BUOYANCY: f64 = 0.01;
 
 /// Part of the box's cross-section that bodies may block without a warning.
 const MUCH_BLOCKED: f64 = 0.3;
@@ -104,7 +110,7 @@ const UNREAD: &[(&[&str], Unread)] = &[
         &[
             "air.box",
             "air.margin",
-            "air.particle_mass",
+            "air.spacing",
             "air.kernel_radius",
             "air.fringe",
             "air.jitter",
@@ -119,7 +125,15 @@ const UNREAD: &[(&[&str], Unread)] = &[
         |given| (!given.scene.interaction.model.has_air()).then_some("interaction.model is drag: no air particles"),
     ),
     (
-        &["gravity", "rods", "interaction.lift", "viscosity.hair", "viscosity.kinematic_hair", "body.friction"],
+        &[
+            "time.settle",
+            "gravity",
+            "rods",
+            "interaction.lift",
+            "viscosity.hair",
+            "viscosity.kinematic_hair",
+            "body.friction",
+        ],
         |given| given.hair.is_empty().then_some("the scene has no hair"),
     ),
     (&["air.skin_friction"], |given| given.scene.bodies.is_empty().then_some("the scene has no bodies")),
@@ -378,6 +392,54 @@ pub(crate) fn of_bodies(hair: &Strands, bodies: &[CheckedShape]) -> Option<Warni
     (!what.is_empty()).then(|| {
         let text = format!("{} start inside bodies, which push them out", what.join(" and "));
         Warning::new("starts_inside_bodies", "hair", text)
+    })
+}
+
+/// Warnings about roots that are far from the body whose motion they take part in, and about hair that grows on a body
+/// that moves, and rests.
+pub(crate) fn of_roots(scene: &SceneValues, hair: &Strands, bodies: &[CheckedShape]) -> Vec<Warning> {
+    let each = scene.hair.iter().enumerate().filter_map(|(group, own)| {
+        let on = |(body, _): &(&CheckedBody, _)| match own.body() {
+            Some(name) => body.name == name,
+            None => !body.motion.keyframes.is_empty() && own.motion.keyframes.is_empty(),
+        };
+        let roots = || hair.roots().zip(&hair.group).filter(|(_, of)| **of as usize == group).map(|(root, _)| root);
+        let distances = |shape: &CheckedShape| roots().map(|root| shape.signed_distance(root).0.abs()).collect();
+        scene.bodies.iter().zip(bodies).filter(on).find_map(|(body, shape)| {
+            let far: Vec<f64> = distances(shape);
+            let all = far.len();
+            let away = far.iter().filter(|far| **far > ROOTED).count();
+            let name = &body.name;
+            match own.body() {
+                Some(_) if away > 0 => {
+                    let most = 1e3 * far.iter().copied().fold(0.0, f64::max);
+                    let text = format!(
+                        "{away} of {all} roots are farther than {} mm from body.{name}, which they move with; the farthest {most:.1} mm",
+                        1e3 * ROOTED
+                    );
+                    Some(Warning::new("far_from_body", &scene.called(group), text))
+                }
+                None if own.root != End::Free && 2 * away < all => {
+                    let text = format!("the roots rest on body.{name}, which moves: body = \"{name}\" makes them go with it");
+                    Some(Warning::new("left_by_body", &scene.called(group), text))
+                }
+                _ => None,
+            }
+        })
+    });
+    each.collect()
+}
+
+/// A warning where hair is hardly heavier than what it moves in: buoyancy and added mass are left out.
+pub(crate) fn of_buoyancy(scene: &SceneValues) -> Option<Warning> {
+    let air = scene.air.as_ref().filter(|_| scene.interaction.model != Model::None)?;
+    let lightest = scene.hair.iter().map(|hair| hair.fibre.density).fold(f64::INFINITY, f64::min);
+    (air.rest_density > MUCH_BUOYANCY * lightest).then(|| {
+        let part = 100.0 * air.rest_density / lightest;
+        let text = format!(
+            "is {part:.0} % of the density of hair: buoyancy and the mass of what moves with hair are left out"
+        );
+        Warning::new("buoyant_hair", "air.rest_density", text)
     })
 }
 

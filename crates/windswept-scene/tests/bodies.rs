@@ -19,14 +19,12 @@ fn keyframe(time: f64, translation: [f64; 3], rotation: [f64; 3]) -> Keyframe {
 #[test]
 fn keyframes_hold_and_lead_from_one_to_the_next() {
     assert_eq!(Motion::default().at(3.0), Pose::default());
-    let motion = Motion {
-        keyframes: vec![
-            keyframe(1.0, [0.0, 1.0, 0.0], [0.0; 3]),
-            keyframe(3.0, [2.0, 1.0, -4.0], [0.0, 3.0, 0.0]),
-            // Past half a turn in all: onward, not back.
-            keyframe(4.0, [2.0, 1.0, -4.0], [0.0, 6.0, 0.0]),
-        ],
-    };
+    let motion = Motion::from([
+        keyframe(1.0, [0.0, 1.0, 0.0], [0.0; 3]),
+        keyframe(3.0, [2.0, 1.0, -4.0], [0.0, 3.0, 0.0]),
+        // Past half a turn in all: onward, not back.
+        keyframe(4.0, [2.0, 1.0, -4.0], [0.0, 6.0, 0.0]),
+    ]);
     for (time, translation, angle) in [
         (0.0, [0.0, 1.0, 0.0], 0.0),
         (1.0, [0.0, 1.0, 0.0], 0.0),
@@ -46,7 +44,7 @@ fn keyframes_hold_and_lead_from_one_to_the_next() {
 /// A point keeps its distance to the centre while it turns, and goes with the translation.
 #[test]
 fn a_motion_turns_about_the_centre() {
-    let motion = Motion { keyframes: vec![keyframe(0.0, [1.0, 0.0, 0.0], [0.0, 0.0, 0.5 * PI])] };
+    let motion = Motion::from(vec![keyframe(0.0, [1.0, 0.0, 0.0], [0.0, 0.0, 0.5 * PI])]);
     let center = DVec3::new(3.0, 2.0, 1.0);
     let placed = motion.place(center, center + DVec3::X, 0.0);
     assert!(placed.distance(center + DVec3::X + DVec3::Y) < 1e-15, "{placed}");

@@ -72,12 +72,12 @@ const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
     ("max = [0.1, 0.1, 0.1]", "max = [0.1, 0.02, 0.1]", 12, "air.box", &["at least 3 kernel radii", "0.02 m in y"]),
     ("max = [0.1, 0.1, 0.1]", "max = [0.1, -0.1, 0.1]", 12, "air.box", &["max above min", "in y"]),
     ("max = [0.1, 0.1, 0.1]", "max = [100.0, 100.0, 100.0]", 12, "air.box", &["would hold 8.836e12 particles", "at most 50000000"]),
-    ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, 0.0, 0.0]\nparticle_mass = 1e-3", 12, "air.box", &["would hold 1.290 particles", "at least 27"]),
+    ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, 0.0, 0.0]\nkernel_radius = 9.3e-3\nspacing = 0.0919", 12, "air.box", &["would hold 1.288 particles", "at least 27"]),
     ("max = [0.1, 0.1, 0.1]", "max = [0.1, 0.0278, 0.1]", 12, "air.box", &["at least 3 kernel radii, 0.0279 m; found 0.0278 m in y"]),
     // A grid that wraps or cannot be summed; a kernel that reaches no neighbour.
     ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, 0.0, 0.0]\nkernel_radius = 1e-6", 14, "air.kernel_radius", &["makes 1.000e15 cells of the box", "at most 8e6"]),
-    ("wind = [3.0, 0.0, 0.0]", "kernel_radius = 4.9e-4\nparticle_mass = 2.7e-11\nwind = [3.0, 0.0, 0.0]", 13, "air.kernel_radius", &["makes 8.490e6 cells", "at most 8e6, about 0.0004998 m"]),
-    ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, 0.0, 0.0]\nkernel_radius = 5.8e-3", 14, "air.kernel_radius", &["is 1.199 of the particle spacing, 0.00483713 m", "at least 1.2 of it, 0.00580456 m"]),
+    ("wind = [3.0, 0.0, 0.0]", "kernel_radius = 4.9e-4\nspacing = 2.756e-4\nwind = [3.0, 0.0, 0.0]", 13, "air.kernel_radius", &["makes 8.490e6 cells", "at most 8e6, about 0.0004998 m"]),
+    ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, 0.0, 0.0]\nkernel_radius = 5.8e-3", 14, "air.kernel_radius", &["is 1.199 of the particle spacing, 0.004837 m", "at least 1.2 of it, 0.00580456 m"]),
     ("step = 1.38e-3", "", 1, "time.step", &["is missing", "greater than 0 [s]"]),
     ("duration = 1.0", "duration = true", 3, "time.duration", &["greater than 0", "true"]),
     ("duration = 1.0", "duration = 2026-01-01", 3, "time.duration", &["a date"]),
@@ -294,7 +294,7 @@ fn the_guilty_assignment_is_named() {
         ("air.box.max.0=3", "leads nowhere"),
         // The key at fault is another than the one that was set.
         ("air.kernel_radius=0.1", "air.box: expected sides of at least 3 kernel radii"),
-        ("air.particle_mass=1e-12", "air.box: would hold"),
+        ("air.spacing=9.19e-5", "air.box: would hold"),
         ("time.step=1e-12", "time.duration: would take"),
     ] {
         let error = set(QUICK, &[harmless, guilty, harmless]).unwrap_err();
@@ -351,7 +351,7 @@ fn a_box_of_three_kernel_radii_will_do() {
         set(SMALL, &[&bounds]).unwrap_or_else(|error| panic!("{error}"));
     }
     set(SMALL, &["air.kernel_radius=0.00580456"]).unwrap();
-    set(SMALL, &["air.kernel_radius=5.0e-4", "air.particle_mass=2.7e-11"]).unwrap();
+    set(SMALL, &["air.kernel_radius=5.0e-4", "air.spacing=2.756e-4"]).unwrap();
 }
 
 /// More tables than there may be are refused by their number, before any of them is looked at: the fault in each is not

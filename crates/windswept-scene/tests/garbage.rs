@@ -57,7 +57,7 @@ proptest! {
     fn any_number(
         key in prop::sample::select(vec![
             "hair.length", "hair.radius", "hair.density", "hair.point_mass", "hair.fibres_per_strand",
-            "hair.youngs_modulus", "hair.roots.radius", "air.rest_density", "air.particle_mass", "air.kernel_radius",
+            "hair.youngs_modulus", "hair.roots.radius", "air.rest_density", "air.spacing", "air.kernel_radius",
             "air.fringe", "air.ramp", "time.step", "time.duration", "time.frame_rate", "hair.curl.pitch",
         ]),
         sign in prop::sample::select(vec!["", "-"]),

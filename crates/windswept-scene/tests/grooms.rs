@@ -243,7 +243,7 @@ fn faults_name_the_argument() {
         (of(&|f| f.radius = 1e20), "groom.radius", "of magnitude 1e-18 to 1e18, found 1e20"),
         (of(&|f| f.density = f64::NAN), "groom.density", "found NaN"),
         (of(&|f| f.stiffness = moduli(-1.0, 0.38)), "groom.youngs_modulus", "found -1.0"),
-        (of(&|f| f.stiffness = moduli(4e9, 1.0)), "groom.poissons_ratio", "below 1"),
+        (of(&|f| f.stiffness = moduli(4e9, 1.0)), "groom.poissons_ratio", "above -1, at most 0.5"),
         (of(&|f| f.fibres_per_strand = 0.0), "groom.fibres_per_strand", "found 0.0"),
         (of(&|f| f.point_mass = Some(0.0)), "groom.point_mass", "found 0.0"),
         (of(&|f| f.aspect = 1.1), "groom.aspect", "at most 1"),

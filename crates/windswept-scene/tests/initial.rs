@@ -5,7 +5,7 @@ mod common;
 
 use common::{BRUSH, QUICK, assert_close, brush, scene_of};
 use glam::DVec3;
-use windswept_scene::{Air, Hair, InitialState, Model, Roots, Scene, Time, Turbulence};
+use windswept_scene::{Air, Body, Hair, InitialState, Keyframe, Model, Roots, Scene, Time, Turbulence};
 
 /// The example is a small one, and there is nothing to warn of.
 #[test]
@@ -23,6 +23,61 @@ fn quick_is_what_it_says() {
     // They fill less than half of the cross-section: 113 mm³ over 10 mm each.
     let filled = state.hair.len() as f64 * air.particle_volume() / 0.01;
     assert!(filled < 0.5 * size.y * size.z, "{filled} m²");
+}
+
+/// Roots that are far from the body that they move with, and roots that rest on a body that moves, are warned of; a body
+/// that there is not is a fault.
+#[test]
+fn roots_that_leave_their_body_are_warned_of() {
+    let mut scene = Scene::new(Time::new(1e-3, 1.0));
+    scene.interaction.model = Some(Model::None);
+    let motion = [Keyframe::new(0.0), Keyframe { translation: [0.1, 0.0, 0.0], ..Keyframe::new(1.0) }].into();
+    scene.bodies = vec![Body { motion, ..Body::sphere([0.0; 3], 0.1).named("head") }];
+    scene.hair = vec![Hair::drawn(20, 5, 0.1, Roots::cap([0.0; 3], 0.1))];
+    let warned = |scene: &Scene| -> Vec<String> {
+        let warnings = InitialState::new(scene).unwrap().warnings;
+        warnings
+            .iter()
+            .filter(|warning| warning.code.ends_with("by_body") || warning.code == "far_from_body")
+            .map(ToString::to_string)
+            .collect()
+    };
+    assert_eq!(
+        warned(&scene),
+        ["hair: the roots rest on body.head, which moves: body = \"head\" makes them go with it"]
+    );
+    scene.hair[0].body = Some("head".to_owned());
+    assert!(warned(&scene).is_empty());
+    let checked = scene.check().unwrap();
+    assert_eq!(checked.hair[0].motion.keyframes, checked.bodies[0].motion.keyframes);
+    scene.bodies[0] =
+        Body { motion: scene.bodies[0].motion.clone(), ..Body::sphere([0.008, 0.0, 0.0], 0.1).named("head") };
+    let [far] = &warned(&scene)[..] else { panic!("{:?}", warned(&scene)) };
+    assert!(
+        far.contains("of 20 roots are farther than 5 mm from body.head, which they move with; the farthest "),
+        "{far}"
+    );
+    for (change, words) in [
+        (
+            (|hair: &mut Hair| hair.body = Some("had".to_owned())) as fn(&mut Hair),
+            "hair.body: expected the name of a body of the scene, found \"had\": head",
+        ),
+        (|hair| hair.motion = [Keyframe::new(0.0)].into(), "hair.motion: goes with no hair.body"),
+    ] {
+        let mut wrong = scene.clone();
+        change(&mut wrong.hair[0]);
+        let error = wrong.check().unwrap_err().to_string();
+        assert!(error.contains(words), "{error}");
+    }
+}
+
+/// What moves with hair in a dense fluid is left out, and that is said.
+#[test]
+fn hair_in_water_is_warned_of() {
+    for (density, is_warned) in [("1.29", false), ("14", true), ("1000", true)] {
+        let warnings = brush(&[&format!("air.rest_density={density}")]).1.warnings;
+        assert_eq!(warnings.iter().any(|warning| warning.code == "buoyant_hair"), is_warned, "{warnings:?}");
+    }
 }
 
 /// The same seed gives the same state, another does not.
@@ -46,7 +101,7 @@ fn air_has_its_density_and_leaves_room_for_hair() {
         (
             &[
                 "hair.strands=1",
-                "air.particle_mass=1.46e-5",
+                "air.spacing=0.02245",
                 "air.kernel_radius=0.028",
                 "air.box={min=[0,0,0],max=[0.2,0.085,0.1]}",
             ],

@@ -321,7 +321,7 @@ fn roots_go_with_their_body() {
         motion = [{ time = 0, translation = [0, 1, 0], rotation = [0, 0, 1.5707963267948966] }]\n";
     let roots = "roots = { shape = \"mesh\", body = \"box\", group = \"top\" }\n";
     let scene = load(&folder, &format!("{roots}{body}")).unwrap();
-    assert_eq!(scene.hair[0].motion, scene.bodies[0].motion);
+    assert_eq!(scene.hair[0].motion.keyframes, scene.bodies[0].motion.keyframes);
     assert_eq!(parse(&scene.scene().to_toml()).unwrap(), scene);
     let state = InitialState::new(&scene).unwrap();
     let solid = scene.bodies[0].at(0.0);

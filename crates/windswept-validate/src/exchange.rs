@@ -140,8 +140,8 @@ impl Fence {
             Hair { fibre, ..Hair::drawn(strands, points, length, roots).named(y.to_string()) }
         };
         let wind = Air {
-            particle_mass: air.mass,
-            kernel_radius: RADIUS / self.finer,
+            spacing: air.volume.cbrt(),
+            kernel_radius: Some(RADIUS / self.finer),
             kinematic_viscosity: self.viscosity,
             ..blowing(air.size.to_array(), [WIND, 0.0, 0.0])
         };

@@ -134,8 +134,7 @@ impl Tunnel {
         scene.gravity = [0.0; 3];
         scene.fluid.solver = Some(self.solver);
         scene.air = Some(Air {
-            particle_mass: Air::PARTICLE_MASS * self.coarseness.powi(3),
-            kernel_radius: Air::KERNEL_RADIUS * self.coarseness,
+            spacing: Air::SPACING * self.coarseness,
             skin_friction: self.friction,
             fringe: (self.wind == 0.0).then_some(0.0),
             ..blowing(size, [self.wind, 0.0, 0.0])

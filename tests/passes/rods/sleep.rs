@@ -33,7 +33,7 @@ fn strands_sleep_wake_and_are_reset_as_the_reference_s() {
         name: "body".into(),
         shape: Shape::sphere([tip[0], tip[1] + 0.15, tip[2]], 0.02),
         friction: 0.4,
-        motion: Motion { keyframes: vec![leave, left] },
+        motion: Motion::from(vec![leave, left]),
     });
     let fixture = Fixture::new(&scene, &initial);
     let mut s = fixture.reference.clone();

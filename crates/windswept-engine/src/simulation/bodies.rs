@@ -68,7 +68,9 @@ impl Simulation {
     pub(super) fn set_motion(&mut self, body: usize, motion: Motion) -> Result<(), GpuError> {
         let hair: Vec<usize> = hair_on(&self.given, body).collect();
         self.scene = self.scene.assuming(|_, values| {
-            hair.iter().for_each(|group| values.hair[*group].motion = motion.clone());
+            for group in &hair {
+                values.hair[*group].motion.keyframes.clone_from(&motion.keyframes);
+            }
             values.bodies[body].motion = motion.clone();
         });
         self.was_set = true;

@@ -65,8 +65,10 @@ impl Simulation {
         }
         let (air, origin) = (self.initial.air.clone(), self.initial.origin);
         let mut initial = InitialState { air, origin, ..initial };
-        // Hair of a file was given as it hung in the weight of the start.
         let (hair, rest) = (&mut initial.hair, &self.initial.hair);
+        hair.positions.clone_from(&rest.positions);
+        hair.orientations.clone_from(&rest.orientations);
+        // Hair of a file was given as it hung in the weight of the start.
         hair.rest_rotation.clone_from(&rest.rest_rotation);
         for (own, ends) in hair.ends.iter_mut().zip(&rest.ends) {
             own.tip_rest_rotation = ends.tip_rest_rotation;

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use glam::DQuat;
-use windswept_scene::{CheckedScene, Hair, Motion, Roots};
+use windswept_scene::{CheckedScene, Hair, Motion};
 use windswept_shaders::common::motion::Keyframe;
 
 use crate::upload::vectors::{quat, vec3};
@@ -70,9 +70,6 @@ fn rotation_vector(turn: DQuat) -> glam::DVec3 {
 pub(crate) fn hair_on(scene: &CheckedScene, body: usize) -> impl Iterator<Item = usize> {
     let written = scene.scene();
     let name = scene.bodies.get(body).map(|body| body.name.as_str());
-    let is_on = move |hair: &&Hair| {
-        let Some(Roots::Mesh(scalp)) = hair.as_drawn().map(|drawn| &drawn.roots) else { return false };
-        name == Some(&scalp.body) && hair.motion.keyframes.is_empty()
-    };
+    let is_on = move |hair: &&Hair| name.is_some() && name == hair.body() && hair.motion.keyframes.is_empty();
     written.hair.iter().enumerate().filter(move |(_, hair)| is_on(hair)).map(|(group, _)| group)
 }

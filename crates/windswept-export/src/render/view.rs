@@ -233,7 +233,7 @@ fn streaming(fibre: &Fibre, length: f64, segments: usize, wind: DVec3, scene: &C
     let drag = scene.air.as_ref().map_or(0.0, |air| {
         let reynolds = (2.0 * fibre.radius * speed / air.kinematic_viscosity).max(1e-9);
         let width = match scene.interaction.model {
-            Model::Particles => (air.particle_mass / air.rest_density).cbrt(),
+            Model::Particles => air.spacing,
             Model::TwoWay | Model::Drag => {
                 2.0 * fibre.radius * fibre.fibres_per_strand * (1.0 + 10.0 * reynolds.powf(-2.0 / 3.0))
             }

@@ -32,10 +32,11 @@ table! {
         margin: Option<f64> = NonNegative, "m", Derived("the whole box");
         /// Rest density ρ0.
         rest_density: f64 = Positive, "kg/m³", Value(Air::REST_DENSITY);
-        /// Mass of an air particle; the count is rounded, and the mass adjusted so that the mean density is exact.
-        particle_mass: f64 = Positive, "kg", Value(Air::PARTICLE_MASS);
+        /// Spacing d of the air particles, by which the air is fine or coarse: a box has its volume over d³ of them. It is
+        /// rounded along each side of the box. The paper's particles of 1.46e-7 kg are 4.837 mm apart.
+        spacing: f64 = Length, "m", Value(Air::SPACING);
         /// Kernel radius h.
-        kernel_radius: f64 = Length, "m", Value(Air::KERNEL_RADIUS);
+        kernel_radius: f64 = Length, "m", Derived("1.923 spacings") => value(|_scene| Air::radius_at(spacing));
         /// Mean wind U.
         wind: [f64; 3] = Vector, "m/s", Derived("needed with every model but none") => value(|_scene| [0.0; 3]);
         /// Thickness of the fringe, in which entering air is conditioned; 0: none.
@@ -99,19 +100,26 @@ table! {
 impl Air {
     /// Density of air ρ0, where a scene does not say it \[kg/m³\].
     pub const REST_DENSITY: f64 = 1.29;
-    /// Mass of an air particle, where a scene does not say it: the paper's \[kg\].
-    pub const PARTICLE_MASS: f64 = 1.46e-7;
-    /// Kernel radius h, where a scene does not say it: the paper's \[m\].
+    /// Spacing d of air particles, where a scene does not say it: that of the paper's mass of 1.46e-7 kg \[m\].
+    pub const SPACING: f64 = 4.837e-3;
+    /// Kernel radius h of particles of that spacing: the paper's \[m\].
     pub const KERNEL_RADIUS: f64 = 9.3e-3;
     /// Kinematic viscosity ν of air, where a scene does not say it \[m²/s\].
     pub const KINEMATIC_VISCOSITY: f64 = 1.5e-5;
-    /// Volume of an air particle without `[air]`: the paper's \[m³\].
-    pub(crate) const PARTICLE_VOLUME: f64 = Self::PARTICLE_MASS / Self::REST_DENSITY;
+    /// Volume of an air particle of that spacing \[m³\].
+    pub const PARTICLE_VOLUME: f64 = Self::SPACING * Self::SPACING * Self::SPACING;
+    /// Its mass \[kg\].
+    pub const PARTICLE_MASS: f64 = Self::REST_DENSITY * Self::PARTICLE_VOLUME;
 
     /// Air that fills a box from the origin to `size` \[m\].
     #[must_use]
     pub fn filling(size: [f64; 3]) -> Self {
         Self { bounds: Some(Bounds { min: [0.0; 3], max: size }), ..Self::default() }
+    }
+
+    /// Kernel radius of particles so far apart, where a scene does not say it \[m\].
+    pub(crate) fn radius_at(spacing: f64) -> f64 {
+        Self::KERNEL_RADIUS * (spacing / Self::SPACING)
     }
 
     /// The air with this mean wind \[m/s\].
@@ -147,8 +155,8 @@ impl Air {
         checked.bounds = self.bounds.filter(|_| model.has_air());
         match &self.bounds {
             Some(bounds) if model.has_air() => {
-                self.check_box(bounds, at);
-                self.check_kernel(at);
+                checked.check_box(bounds, self.margin, at);
+                checked.check_kernel(at);
             }
             None if model.has_air() => {
                 let words = format!(
@@ -160,8 +168,10 @@ impl Air {
             _ => {}
         }
     }
+}
 
-    fn check_box(&self, bounds: &Bounds, at: &At<'_>) {
+impl CheckedAir {
+    fn check_box(&self, bounds: &Bounds, margin: Option<f64>, at: &At<'_>) {
         let (min, max, radius) = (bounds.min, bounds.max, self.kernel_radius);
         for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
             let side = max[axis] - min[axis];
@@ -179,9 +189,7 @@ impl Air {
             }
         }
         // A box that is to be cut is counted once it is.
-        if let (None, Err((key, words))) =
-            (self.margin, check_size(bounds, self.particle_mass / self.rest_density, radius))
-        {
+        if let (None, Err((key, words))) = (margin, check_size(bounds, self.particle_volume(), radius)) {
             at.fault(key, words);
         }
     }
@@ -189,12 +197,12 @@ impl Air {
     /// Kernels must reach the next particle.
     fn check_kernel(&self, at: &At<'_>) {
         let radius = self.kernel_radius;
-        let spacing = (self.particle_mass / self.rest_density).cbrt();
+        let spacing = self.spacing;
         let least = rounded(MIN_KERNEL_RADIUS * spacing);
         // Rounded as in the error, so that the value that the error names is accepted.
         if rounded(radius) < least {
             let words = format!(
-                "is {:.3} of the particle spacing, {} m (air.particle_mass); expected at least {MIN_KERNEL_RADIUS} of it, {least} m",
+                "is {:.3} of the particle spacing, {} m (air.spacing); expected at least {MIN_KERNEL_RADIUS} of it, {least} m",
                 radius / spacing,
                 rounded(spacing),
             );
@@ -212,11 +220,14 @@ pub(crate) fn check_size(bounds: &Bounds, volume: f64, radius: f64) -> Result<()
     if count < least {
         return Err((
             "box",
-            format!("would hold {count:.3} particles of air.particle_mass; expected at least {least}"),
+            format!("would hold {count:.3} particles with this air.spacing; expected at least {least}"),
         ));
     }
     if count > f64::from(most) {
-        return Err(("box", format!("would hold {count:.3e} particles of air.particle_mass; expected at most {most}")));
+        return Err((
+            "box",
+            format!("would hold {count:.3e} particles with this air.spacing; expected at most {most}"),
+        ));
     }
     let cells: f64 = (0..3).map(|axis| (side(axis) / radius).floor()).product();
     if cells > MAX_BOX_CELLS {

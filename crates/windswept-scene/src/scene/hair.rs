@@ -9,13 +9,16 @@ use crate::{
     groom::RestShape,
     keys::{
         Fallback::{self, Derived, Required, Value},
-        Kind::{Bool, Choice, Count, Fraction, Length, NonNegative, Path, Positive, Share, Table, Tables, Text},
+        Kind::{self, Bool, Choice, Count, Fraction, Length, NonNegative, Path, Positive, Table, Tables, Text},
     },
     limits::{MAX_HAIR_POINTS, MAX_POINTS_OF_A_STRAND},
     motion::Motion,
     scene::Roots,
     strands::End,
 };
+
+/// Poisson's ratios of materials that resist being sheared and being pressed together.
+const POISSON: Kind = Kind::Within(-1.0, 0.5);
 
 /// Coulomb's coefficient of friction of hair on hair, where a scene says none.
 pub(crate) const FRICTION: f64 = 0.3;
@@ -39,8 +42,10 @@ table! {
         /// Seed that draws the group's root positions, length variation and curl phase, or the strands of its file that are
         /// simulated.
         seed: Option<u64> = Count(0, u32::MAX), "", Derived("from seed, another one for each group");
-        /// Keyframes of the roots, about the centre of their shape, or about the origin of a groom or mesh file.
-        motion: Motion = Tables, "", Derived("roots rest, or move as the body that they are on");
+        /// Name of the body whose motion the roots take part in.
+        body: Option<String> = Text, "", Derived("that of roots.body, else none");
+        /// Keyframes of the roots, about the centre of their shape, or about the origin of a groom file; not with a body.
+        motion: Motion = Tables, "", Derived("roots rest, or move as their body");
     }
 }
 
@@ -138,7 +143,7 @@ table! {
         taper: f64 = Fraction, "", Value(0.0);
         /// Semi-minor axis, along d1, over semi-major axis of the cross-section; a curl turns about d2 and so bends the
         /// flat way.
-        aspect: f64 = Share, "", Value(1.0);
+        aspect: f64 = Kind::Within(0.0, 1.0), "", Value(1.0);
         /// Density of a fibre.
         density: f64 = Positive, "kg/m³", Value(1320.0);
         /// Fibres that a strand stands for; they scale its mass, stiffness and drag area.
@@ -168,7 +173,7 @@ table! {
         /// Young's modulus E of a fibre; not with the three stiffnesses.
         youngs_modulus: f64 = Positive, "Pa", Value(4e9);
         /// Poisson's ratio ν: G = E/(2 (1 + ν)), GA = EA/(2 (1 + ν)).
-        poissons_ratio: f64 = Fraction, "", Value(0.38);
+        poissons_ratio: f64 = POISSON, "", Value(0.38);
     }
 }
 
@@ -183,7 +188,7 @@ table! {
         /// Twist stiffness GJ of the strand.
         twist as "twist_stiffness": f64 = Positive, "N m²", Required;
         /// Poisson's ratio ν: G = E/(2 (1 + ν)), GA = EA/(2 (1 + ν)).
-        poissons_ratio: f64 = Fraction, "", Value(0.38);
+        poissons_ratio: f64 = POISSON, "", Value(0.38);
     }
 }
 
@@ -259,16 +264,25 @@ impl Hair {
     fn of(source: HairSource) -> Self {
         let (root, tip) = (End::Clamped, End::Free);
         let (name, fibre, motion) = (Self::NAME.to_owned(), Fibre::default(), Motion::default());
-        Self { name, source, fibre, friction: FRICTION, root, tip, seed: None, motion }
+        Self { name, source, fibre, friction: FRICTION, root, tip, seed: None, body: None, motion }
     }
 
-    /// The point that the roots' motion turns about \[m\]: the centre of their shape, or the origin of their groom or
-    /// mesh file.
+    /// The point that the roots' motion turns about \[m\]: in a checked scene that of their body, if they have one, else
+    /// the centre of their shape, or the origin of their groom file.
     #[must_use]
     pub fn center(&self) -> DVec3 {
-        self.as_drawn()
-            .and_then(|drawn| drawn.roots.patch())
-            .map_or(DVec3::ZERO, |patch| DVec3::from_array(patch.center))
+        let patch = || self.as_drawn()?.roots.patch().map(|patch| DVec3::from_array(patch.center));
+        self.motion.center.or_else(patch).unwrap_or_default()
+    }
+
+    /// Name of the body whose motion the roots take part in: that of `body`, or of the mesh that they are on.
+    #[must_use]
+    pub fn body(&self) -> Option<&str> {
+        let of_roots = || match &self.as_drawn()?.roots {
+            Roots::Mesh(scalp) => Some(&*scalp.body),
+            _ => None,
+        };
+        self.body.as_deref().or_else(of_roots)
     }
 }
 

@@ -58,7 +58,8 @@ impl Viscosity {
 
     /// Coefficient c of a kinematic viscosity \[m²/s\], or `without` one.
     fn of_kinematic(&self, scene: &Scene, kinematic: Option<f64>, without: f64) -> f64 {
-        let radius = scene.air.as_ref().map_or(Air::KERNEL_RADIUS, |air| air.kernel_radius);
+        let of_air = |air: &Air| air.kernel_radius.unwrap_or(Air::radius_at(air.spacing));
+        let radius = scene.air.as_ref().map_or(Air::KERNEL_RADIUS, of_air);
         kinematic.map_or(without, |nu| COEFFICIENT * nu * scene.time.step / (radius * radius))
     }
 
