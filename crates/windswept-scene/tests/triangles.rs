@@ -5,7 +5,7 @@ mod common;
 
 use std::{f64::consts::PI, fmt::Write, path::Path, sync::Arc};
 
-use common::{Folder, box_of, obj};
+use common::{Folder, box_of, glb_of, obj};
 use glam::{DQuat, DVec3, Vec3Swizzles};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
@@ -307,23 +307,6 @@ fn glb(mesh: &Triangles, turn: DQuat, shift: DVec3) -> Vec<u8> {
     glb_of(&json, &[points, indices].concat())
 }
 
-/// A file that says this of its numbers.
-fn glb_of(json: &str, numbers: &[u8]) -> Vec<u8> {
-    let mut json = json.as_bytes().to_vec();
-    json.resize(json.len().next_multiple_of(4), b' ');
-    let mut bytes = b"glTF".to_vec();
-    let put = |bytes: &mut Vec<u8>, number: usize| bytes.extend((number as u32).to_le_bytes());
-    put(&mut bytes, 2);
-    put(&mut bytes, 28 + json.len() + numbers.len());
-    put(&mut bytes, json.len());
-    bytes.extend(b"JSON");
-    bytes.extend(json);
-    put(&mut bytes, numbers.len());
-    bytes.extend(b"BIN\0");
-    bytes.extend(numbers);
-    bytes
-}
-
 /// Triangles of a GLB file of `nodes` nodes that share one mesh of these `primitives`. Its accessors are three
 /// corners of a triangle (0), no points (1), one point (2), and indices of a point that is not there (3).
 fn primitives(nodes: usize, primitives: &[&str]) -> Result<Triangles, SceneError> {
@@ -539,7 +522,7 @@ fn primitives_of_glb_files_are_bounded() {
 #[test]
 fn faults_name_their_part() {
     for (attributes, said) in [
-        (r#""attributes":{},"mode":1"#, "found mode 1: expected 4, triangles"),
+        (r#""attributes":{},"mode":7"#, "found mode 7: expected at most 6"),
         (r#""attributes":{}"#, "expected the attribute POSITION"),
         (r#""attributes":{"POSITION":0},"indices":3"#, "found index 9: expected less than 3, the points"),
         (r#""attributes":{"POSITION":0,"NORMAL":2}"#, "expected one NORMAL a point"),

@@ -1,8 +1,9 @@
-//! Binary glTF 2.0 files, `.glb`: the triangles of every node of every scene, where the nodes have them.
+//! Binary glTF 2.0 files, `.glb`: the triangles of every node of the default scene, where the nodes or the joints of a skin have
+//! them.
 //!
 //! Read here and not by the crate `gltf`, whose check of a file panics on some that are broken.
 //!
-//! Source: Khronos Group, "glTF 2.0 Specification", sections 3 and 4.4.
+//! Source: Khronos Group, "glTF 2.0 Specification", sections 3 (skins: 3.7.3) and 4.4.
 
 use std::{collections::HashMap, sync::Arc};
 
@@ -18,6 +19,10 @@ use crate::{
 
 /// A primitive's mode, or kind of numbers, as the format numbers them.
 const TRIANGLES: u32 = 4;
+const STRIP: u32 = 5;
+const FAN: u32 = 6;
+/// Kinds of extensions of a surface's looks: `KHR_texture_basisu`, `KHR_materials_unlit`.
+const LOOKS: [&str; 3] = ["texture", "materials", "lights"];
 const U8: u32 = 5121;
 const U16: u32 = 5123;
 const U32: u32 = 5125;
@@ -28,13 +33,26 @@ const F32: u32 = 5126;
 #[serde(rename_all = "camelCase", default)]
 #[derive(Default)]
 struct Document {
+    /// The scene that is shown, by its index.
+    scene: usize,
     scenes: Vec<Nodes>,
     nodes: Vec<Node>,
     meshes: Vec<Mesh>,
     accessors: Vec<Accessor>,
     buffer_views: Vec<View>,
     materials: Vec<Named>,
+    skins: Vec<Skin>,
     extensions_required: Vec<String>,
+}
+
+/// Joints that carry the points of a mesh.
+#[derive(Deserialize)]
+#[serde(rename_all = "camelCase")]
+struct Skin {
+    /// Nodes.
+    joints: Vec<usize>,
+    /// Accessor of a matrix for each joint, from the mesh to the joint; none: identities.
+    inverse_bind_matrices: Option<usize>,
 }
 
 #[derive(Deserialize)]
@@ -54,6 +72,7 @@ struct Node {
     name: Option<Arc<str>>,
     children: Vec<usize>,
     mesh: Option<usize>,
+    skin: Option<usize>,
     matrix: Option<[f64; 16]>,
     translation: DVec3,
     rotation: DQuat,
@@ -66,6 +85,7 @@ impl Default for Node {
             name: None,
             children: Vec::new(),
             mesh: None,
+            skin: None,
             matrix: None,
             translation: DVec3::ZERO,
             rotation: DQuat::IDENTITY,
@@ -111,24 +131,22 @@ struct View {
 
 pub(super) fn read(bytes: &[u8]) -> Result<Triangles, SceneError> {
     let (document, numbers) = parts(bytes)?;
-    if let Some(extension) = document.extensions_required.first() {
+    // What a surface looks like does not change its shape.
+    let is_of_looks = |name: &&String| LOOKS.iter().any(|word| name.split('_').nth(1) == Some(word));
+    if let Some(extension) = document.extensions_required.iter().find(|name| !is_of_looks(name)) {
         return Err(SceneError::new(format!("the file requires {extension}: expected plain glTF 2.0")));
     }
+    let places = document.places()?;
     let mut all = Triangles { unit: Some(1.0), ..Triangles::default() };
     let mut primitives = 0;
-    let mut seen = vec![false; document.nodes.len()];
-    let mut waiting: Vec<_> =
-        document.scenes.iter().flat_map(|scene| &scene.nodes).map(|&i| (i, DMat4::IDENTITY)).collect();
-    while let Some((i, parent)) = waiting.pop() {
-        let node = item(&document.nodes, i, "node")?;
-        // Scenes share nodes: each is taken once.
-        if std::mem::replace(&mut seen[i], true) {
-            continue;
-        }
-        let own = DMat4::from_scale_rotation_translation(node.scale, node.rotation, node.translation);
-        let place = parent * node.matrix.map_or(own, |matrix| DMat4::from_cols_array(&matrix));
+    for (node, place) in document.nodes.iter().zip(&places).filter_map(|(node, place)| Some((node, (*place)?))) {
         if let Some(m) = node.mesh {
             let mesh = item(&document.meshes, m, "mesh")?;
+            // The joints of a skin carry its mesh, whatever its node.
+            let carry = match node.skin {
+                Some(skin) => document.joints(skin, &places, numbers)?,
+                None => Vec::new(),
+            };
             // Many nodes may have one mesh.
             primitives += mesh.primitives.len();
             if primitives > MAX_PRIMITIVES {
@@ -137,11 +155,10 @@ pub(super) fn read(bytes: &[u8]) -> Result<Triangles, SceneError> {
             for (k, primitive) in mesh.primitives.iter().enumerate() {
                 let material = primitive.material.and_then(|i| document.materials.get(i)?.name.as_ref());
                 let names = [node.name.as_ref(), mesh.name.as_ref(), material].into_iter().flatten().cloned().collect();
-                let added = document.append(primitive, numbers, place, names, &mut all);
+                let added = document.append(primitive, numbers, place, &carry, names, &mut all);
                 added.map_err(|error| SceneError::new(format!("mesh {m}, primitive {k}: {}", error.message())))?;
             }
         }
-        waiting.extend(node.children.iter().map(|&child| (child, place)));
     }
     Ok(all)
 }
@@ -177,18 +194,82 @@ fn item<'a, T>(list: &'a [T], i: usize, what: &str) -> Result<&'a T, SceneError>
 }
 
 impl Document {
-    /// Adds the triangles of a primitive, each point carried to its place; nothing if it has none.
+    /// Place of each node of the scene that is shown; `None` for the others.
+    fn places(&self) -> Result<Vec<Option<DMat4>>, SceneError> {
+        let mut places = vec![None; self.nodes.len()];
+        let shown = self.scenes.get(self.scene).into_iter().flat_map(|scene| &scene.nodes);
+        let mut waiting: Vec<_> = shown.map(|&i| (i, DMat4::IDENTITY)).collect();
+        while let Some((i, parent)) = waiting.pop() {
+            let node = item(&self.nodes, i, "node")?;
+            // A node has one parent: one that comes again is part of a ring.
+            if places[i].is_some() {
+                continue;
+            }
+            let own = DMat4::from_scale_rotation_translation(node.scale, node.rotation, node.translation);
+            let place = parent * node.matrix.map_or(own, |matrix| DMat4::from_cols_array(&matrix));
+            places[i] = Some(place);
+            waiting.extend(node.children.iter().map(|&child| (child, place)));
+        }
+        Ok(places)
+    }
+
+    /// Matrices that carry points of a mesh with the joints of its skin, where the file has the joints.
+    fn joints(&self, skin: usize, places: &[Option<DMat4>], numbers: &[u8]) -> Result<Vec<DMat4>, SceneError> {
+        let skin = item(&self.skins, skin, "skin")?;
+        let inverse = match skin.inverse_bind_matrices {
+            Some(accessor) => self.numbers(accessor, numbers, "MAT4")?,
+            None => DMat4::IDENTITY.to_cols_array().repeat(skin.joints.len()),
+        };
+        let inverse = inverse.as_chunks::<16>().0;
+        if inverse.len() < skin.joints.len() {
+            let words = format!("found {} inverse bind matrices: expected {}", inverse.len(), skin.joints.len());
+            return Err(SceneError::new(words));
+        }
+        let joints = skin.joints.iter().zip(inverse).map(|(joint, inverse)| {
+            let place = item(places, *joint, "node")?.ok_or_else(|| {
+                SceneError::new(format!("joint {joint} of a skin is no node of the scene: expected one that is shown"))
+            })?;
+            Ok(place * DMat4::from_cols_array(inverse))
+        });
+        joints.collect()
+    }
+
+    /// The matrix that carries each point of a primitive on joints: theirs by the point's weights.
+    fn carried(&self, primitive: &Primitive, numbers: &[u8], carry: &[DMat4]) -> Result<Vec<DMat4>, SceneError> {
+        let mut sums: Vec<(DMat4, f64)> = Vec::new();
+        for set in 0.. {
+            let [joints, weights] =
+                ["JOINTS", "WEIGHTS"].map(|name| primitive.attributes.get(&format!("{name}_{set}")));
+            let (Some(joints), Some(weights)) = (joints, weights) else { break };
+            let (joints, weights) = (self.numbers(*joints, numbers, "VEC4")?, self.numbers(*weights, numbers, "VEC4")?);
+            sums.resize(joints.len() / 4, (DMat4::ZERO, 0.0));
+            for (k, (joint, weight)) in joints.iter().zip(weights).enumerate() {
+                let sum = &mut sums[k / 4];
+                *sum = (sum.0 + *item(carry, *joint as usize, "joint")? * weight, sum.1 + weight);
+            }
+        }
+        // Weights of whole numbers have another sum than 1.
+        Ok(sums.into_iter().map(|(sum, weight)| if weight > 0.0 { sum * (1.0 / weight) } else { sum }).collect())
+    }
+
+    /// Adds the triangles of a primitive, each point carried to its place, or by the joints of its skin; nothing if it has
+    /// none.
     fn append(
         &self,
         primitive: &Primitive,
         numbers: &[u8],
         place: DMat4,
+        carry: &[DMat4],
         names: Vec<Arc<str>>,
         all: &mut Triangles,
     ) -> Result<(), SceneError> {
         let mode = primitive.mode.unwrap_or(TRIANGLES);
-        if mode != TRIANGLES {
-            return Err(SceneError::new(format!("found mode {mode}: expected {TRIANGLES}, triangles")));
+        if mode < TRIANGLES {
+            // Points and lines enclose nothing.
+            return Ok(());
+        }
+        if mode > FAN {
+            return Err(SceneError::new(format!("found mode {mode}: expected at most {FAN}")));
         }
         let points = primitive.attributes.get("POSITION");
         let points = *points.ok_or_else(|| SceneError::new("expected the attribute POSITION"))?;
@@ -206,7 +287,13 @@ impl Document {
             return Err(SceneError::new(words));
         }
         let first = all.points.len() as u32;
-        all.points.extend(points.iter().map(|x| place.transform_point3(DVec3::from_array(*x))));
+        let carried = if carry.is_empty() { Vec::new() } else { self.carried(primitive, numbers, carry)? };
+        if !carried.is_empty() && carried.len() != points.len() {
+            return Err(SceneError::new("expected four joints and four weights a point"));
+        }
+        let place_of = |k: usize| carried.get(k).copied().unwrap_or(place);
+        let moved = points.iter().enumerate().map(|(k, x)| place_of(k).transform_point3(DVec3::from_array(*x)));
+        all.points.extend(moved);
         let attribute = |name: &str, kind: &str| -> Result<Vec<f64>, SceneError> {
             match primitive.attributes.get(name) {
                 Some(&i) => {
@@ -220,15 +307,19 @@ impl Document {
         };
         let (normals, uvs) = (attribute("NORMAL", "VEC3")?, attribute("TEXCOORD_0", "VEC2")?);
         // Normals stay across the surface, however their node is stretched.
-        let across = place.inverse().transpose();
-        let normals = normals.as_chunks::<3>().0.iter();
-        let normals: Vec<_> =
-            normals.map(|n| across.transform_vector3(DVec3::from_array(*n)).normalize_or_zero()).collect();
+        let across = |k: usize| place_of(k).inverse().transpose();
+        let normals = normals.as_chunks::<3>().0.iter().enumerate();
+        let normals = normals.map(|(k, n)| across(k).transform_vector3(DVec3::from_array(*n)).normalize_or_zero());
+        let normals: Vec<_> = normals.collect();
         // Here (0, 0) is the texture's upper left corner, in the other formats its lower left one.
         let uvs: Vec<_> = uvs.as_chunks::<2>().0.iter().map(|[u, v]| [*u as f32, (1.0 - v) as f32]).collect();
-        let mirrored = place.determinant() < 0.0;
-        let triangles = indices.as_chunks::<3>().0.iter();
-        let triangles = triangles.map(|&[a, b, c]| if mirrored { [a, c, b] } else { [a, b, c] });
+        let mirrored = place_of(0).determinant() < 0.0;
+        let triangles: Vec<[u32; 3]> = match mode {
+            STRIP => (0..).zip(indices.windows(3)).map(|(k, w)| [w[k % 2], w[1 - k % 2], w[2]]).collect(),
+            FAN => indices[1..].windows(2).map(|pair| [indices[0], pair[0], pair[1]]).collect(),
+            _ => indices.as_chunks::<3>().0.to_vec(),
+        };
+        let triangles = triangles.into_iter().map(|[a, b, c]| if mirrored { [a, c, b] } else { [a, b, c] });
         let triangles: Vec<_> = triangles.collect();
         let (normals, uvs) = (of_corners(&triangles, &normals), of_corners(&triangles, &uvs));
         all.append(names, triangles.iter().map(|corners| corners.map(|index| first + index)), normals, uvs);
@@ -255,6 +346,11 @@ impl Document {
         type Number = fn(&[u8]) -> f64;
         let (number, size, each): (Number, usize, usize) = match (kind, accessor.component_type) {
             ("VEC3", F32) => (|x| f32::from_le_bytes(std::array::from_fn(|i| x[i])).into(), 4, 3),
+            ("VEC4" | "MAT4", F32) => {
+                (|x| f32::from_le_bytes(std::array::from_fn(|i| x[i])).into(), 4, if kind == "MAT4" { 16 } else { 4 })
+            }
+            ("VEC4", U8) => (|x| x[0].into(), 1, 4),
+            ("VEC4", U16) => (|x| u16::from_le_bytes([x[0], x[1]]).into(), 2, 4),
             ("VEC2", F32) => (|x| f32::from_le_bytes(std::array::from_fn(|i| x[i])).into(), 4, 2),
             ("VEC2", U8) => (|x| f64::from(x[0]) / f64::from(u8::MAX), 1, 2),
             ("VEC2", U16) => (|x| f64::from(u16::from_le_bytes([x[0], x[1]])) / f64::from(u16::MAX), 2, 2),

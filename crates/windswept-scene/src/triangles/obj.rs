@@ -14,6 +14,8 @@ use crate::{document::short, error::SceneError, limits::MAX_TRIANGLES};
 const MAX_GROUPS: usize = 64;
 /// Keywords of the lines that the indices of a corner refer to, in their order, and the content of these lines.
 const INDEXED: [(&str, &str); 3] = [("v", "points"), ("vt", "places in the texture"), ("vn", "normals")];
+/// A blank in the place of a line break behind a backslash, by which lines are counted.
+const CONTINUED: &str = "\u{b}";
 /// Index of a corner that has no place in the texture, or no normal.
 const NONE: u32 = u32::MAX;
 
@@ -56,7 +58,8 @@ impl<'a> Lines<'a> {
     fn take(&mut self, keyword: &str, rest: &'a str) -> Result<(), String> {
         match keyword {
             "v" => self.points.push(DVec3::from_array(match numbers(rest)?[..] {
-                [x, y, z] | [x, y, z, _, _, _] => [x, y, z].map(f64::from),
+                // Some programs write colours behind the coordinates.
+                [x, y, z] | [x, y, z, _, _, _] | [x, y, z, _, _, _, _] => [x, y, z].map(f64::from),
                 [x, y, z, w] if w != 0.0 => [x / w, y / w, z / w].map(f64::from),
                 _ => return Err(format!("expected a Wavefront file: found the point {:?}", short(rest))),
             })),
@@ -139,13 +142,17 @@ fn numbers(words: &str) -> Result<Vec<f32>, String> {
 
 pub(super) fn read(bytes: &[u8]) -> Result<Triangles, SceneError> {
     // Comments and names may be of any encoding: numbers are text of all.
-    let text = String::from_utf8_lossy(bytes);
+    let text = String::from_utf8_lossy(bytes).replace("\r\n", "\n").replace('\r', "\n");
+    // A line goes on behind a backslash at its end.
+    let text = text.replace("\\\n", CONTINUED);
     let lines = || text.lines().map(|line| line.trim().split_once(char::is_whitespace).unwrap_or((line.trim(), "")));
     let all = INDEXED.map(|(keyword, _)| lines().filter(|(word, _)| *word == keyword).count());
     let mut read = Lines { all, ..Lines::default() };
-    for (number, (keyword, rest)) in (1..).zip(lines()) {
+    let mut number = 1;
+    for (keyword, rest) in lines() {
         let taken = read.take(keyword, rest.trim());
         taken.map_err(|words| SceneError::new(format!("line {number}: {words}")))?;
+        number += 1 + rest.matches(CONTINUED).count();
     }
     let Lines { points, places, normals, corners: [corners, of_places, of_normals], parts, .. } = read;
     // A file that ends within a line although some of its points are of no face yet was cut off there.

@@ -137,3 +137,20 @@ pub(crate) fn obj(mesh: &Triangles) -> Vec<u8> {
     mesh.corners.iter().for_each(|[a, b, c]| writeln!(text, "f {}/1/1 {}/1/1 {}/1/1", a + 1, b + 1, c + 1).unwrap());
     text.into_bytes()
 }
+
+/// A binary glTF file that says this of its numbers.
+pub(crate) fn glb_of(json: &str, numbers: &[u8]) -> Vec<u8> {
+    let mut json = json.as_bytes().to_vec();
+    json.resize(json.len().next_multiple_of(4), b' ');
+    let mut bytes = b"glTF".to_vec();
+    let put = |bytes: &mut Vec<u8>, number: usize| bytes.extend((number as u32).to_le_bytes());
+    put(&mut bytes, 2);
+    put(&mut bytes, 28 + json.len() + numbers.len());
+    put(&mut bytes, json.len());
+    bytes.extend(b"JSON");
+    bytes.extend(json);
+    put(&mut bytes, numbers.len());
+    bytes.extend(b"BIN\0");
+    bytes.extend(numbers);
+    bytes
+}
