@@ -92,6 +92,25 @@ fn strands_come_back_as_they_were() {
     assert!(fit.ids.is_sorted() && fit.ids.iter().all(|id| id % 2 == 0) && fit.unit == Some(1.0));
 }
 
+/// MonoHair's files have numbers alone in place of a header.
+#[test]
+fn files_of_monohair_are_read() {
+    let folder = Folder::new();
+    let strands = strands(7);
+    let whole = Curves::load(folder.write("whole.hair", &hair_file(&strands, None)), None).unwrap();
+    let total = strands.iter().map(Vec::len).sum::<usize>() as u32;
+    let mut bytes: Vec<u8> = [strands.len() as u32, total].into_iter().flat_map(u32::to_le_bytes).collect();
+    bytes.extend(strands.iter().flat_map(|strand| (strand.len() as u16).to_le_bytes()));
+    bytes.extend(strands.concat().as_flattened().iter().flat_map(|x| x.to_le_bytes()));
+    assert_eq!(Curves::load(folder.write("short.hair", &bytes), None).unwrap(), whole);
+    bytes[8] += 1;
+    let error = Curves::load(folder.write("other.hair", &bytes), None).unwrap_err().to_string();
+    assert!(error.contains("at byte 4: expected the ") && error.contains("points that the strands have"), "{error}");
+    bytes.push(0);
+    let error = Curves::load(folder.write("longer.hair", &bytes), None).unwrap_err().to_string();
+    assert!(error.contains("expected the word HAIR"), "{error}");
+}
+
 /// Every count that a header can hold, however large: an error, and no room is made for it.
 #[test]
 fn counts_beyond_the_file_are_errors() {

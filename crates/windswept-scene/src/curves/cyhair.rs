@@ -1,4 +1,4 @@
-//! Cem Yuksel's `.hair` files.
+//! Cem Yuksel's `.hair` files, and MonoHair's, which have the same ending.
 //!
 //! ```text
 //!   0  char[4]        "HAIR"
@@ -11,6 +11,8 @@
 //! 128  u16[strands]   segments; a strand has one point more
 //!      f32[3 points], f32[points], f32[points], f32[3 points]    points root to tip, thickness, transparency, colours
 //! ```
+//!
+//! MonoHair's have no such header: u32 strands, u32 points of all strands, u16[strands] points of each, f32[3 points].
 //!
 //! All little-endian. After an odd number of strands the floats are not aligned. Source: the format's page and
 //! `cyHairFile.h` at <http://www.cemyuksel.com/research/hairmodels/>.
@@ -29,8 +31,13 @@ const COLOURS: u32 = 16;
 /// Length of what the header says about the file \[bytes\].
 const ABOUT: usize = 88;
 
-pub(super) fn read(bytes: &[u8]) -> Result<Curves, SceneError> {
-    let mut bytes = Bytes::new(bytes);
+pub(super) fn read(all: &[u8]) -> Result<Curves, SceneError> {
+    if !all.starts_with(b"HAIR")
+        && let Some(curves) = read_short(all)
+    {
+        return curves;
+    }
+    let mut bytes = Bytes::new(all);
     let magic: [u8; 4] = bytes.array("the word HAIR")?;
     if &magic != b"HAIR" {
         return Err(fault_at(0, format!("expected the word HAIR, found {:?}", String::from_utf8_lossy(&magic))));
@@ -72,6 +79,23 @@ pub(super) fn read(bytes: &[u8]) -> Result<Curves, SceneError> {
     bytes.end()?;
     let radius = floats(thickness).map(|thickness| 0.5 * thickness).collect();
     Ok(Curves { radius, ..Curves::of(points(of_points).collect(), counts.into_iter()) })
+}
+
+/// The strands of a file of MonoHair; `None` where the length is not that of its numbers of strands and points.
+fn read_short(all: &[u8]) -> Option<Result<Curves, SceneError>> {
+    let mut bytes = Bytes::new(all);
+    let (strands, total) = (bytes.u32("the number of strands").ok()?, bytes.u32("the number of points").ok()?);
+    if 8 + 2 * u64::from(strands) + 12 * u64::from(total) != all.len() as u64 {
+        return None;
+    }
+    let counts = bytes.take(strands.into(), 2, "the points of each strand").ok()?;
+    let counts: Vec<u32> = counts.as_chunks::<2>().0.iter().map(|count| u16::from_le_bytes(*count).into()).collect();
+    let sum: u64 = counts.iter().map(|&count| u64::from(count)).sum();
+    if sum != u64::from(total) {
+        return Some(Err(fault_at(4, format!("expected the {sum} points that the strands have, found {total}"))));
+    }
+    let of_points = bytes.take(total.into(), 12, "the points").ok()?;
+    Some(Ok(Curves::of(points(of_points).collect(), counts.into_iter())))
 }
 
 pub(super) fn write(curves: &Curves) -> Result<Vec<u8>, SceneError> {
