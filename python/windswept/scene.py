@@ -59,6 +59,10 @@ class Time(Table):
     """
     duration: Key[float, float] = key()
     """Length of the run. A number greater than 0 [s]. Needed."""
+    settle: Key[float, float] = key(default=0.0)
+    """Time before the run in which hair comes to rest in still air, with roots and bodies as they are at the start. The
+    run begins with hair at rest there. A number of at least 0 [s]. Default 0.0.
+    """
     frame_rate: Key[float, float] = key(default=60.0)
     """Exported frames per second. A number greater than 0 [1/s]. Default 60.0."""
 

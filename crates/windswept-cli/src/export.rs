@@ -2,7 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use windswept_export::{Film, Followers, Kind, Provenance};
+use windswept::Frame;
+use windswept_export::{Film, Followers, Kind, Provenance, Units};
 use windswept_scene::{Outline, Scene};
 
 use crate::arguments::ExportOptions;
@@ -34,12 +35,14 @@ pub(crate) fn export(options: &ExportOptions, console: &mut Console<'_>) -> Resu
                 .map_err(|e| Failure::Input(e.to_string()))?,
         ),
     };
-    let frame = |k| match &followers {
-        Some(followers) => followers.frame(&hair.frame(k)?),
-        None => hair.frame(k),
+    let units = Units { metres: options.scale, up: options.up };
+    let frame = |k| {
+        let frame = hair.frame(k)?;
+        let frame = if let Some(followers) = &followers { followers.frame(&frame)? } else { frame };
+        Ok(Frame { hair: units.of(frame.hair), ..frame })
     };
     let _lock = options.out.is_none().then(|| output.lock_for(options.format.file)).transpose()?;
-    (options.format.write)(&path, &Film { frames, frame: &frame, rate: outline.time.frame_rate, provenance })?;
+    (options.format.write)(&path, &Film { frames, frame: &frame, rate: outline.time.frame_rate, provenance, units })?;
     let strands = first.offsets.len() - 1;
     let hairs = followers.map(|followers| format!("{} hairs of ", followers.len())).unwrap_or_default();
     console.print(format_args!("{}: {hairs}{strands} strands, {}", path.display(), counted_frames(frames as u64)));

@@ -119,6 +119,33 @@ print('curves')
 ";
         assert_eq!(asked(folder, program), "curves");
     }
+    // Films in centimetres, z up, are the same films.
+    for (format, ending) in &all[..if has_usd() { 3 } else { 2 }] {
+        let done = export(folder, &[format, "--up", "z", "--scale", "0.01", "--out", &format!("cm.{ending}")]);
+        assert_eq!(done.status.code(), Some(0), "{done:?}");
+    }
+    let program = "
+import numpy as np
+cm, film = np.load('cm.npz'), np.load('out/film.npz')
+turned = lambda v: 100 * np.stack([v[..., 0], -v[..., 2], v[..., 1]], -1)
+for name in ['positions', 'velocities']:
+    assert np.allclose(cm[name], turned(film[name]), rtol=1e-6, atol=0), name
+assert np.allclose(cm['radius'], 100 * film['radius']) and cm['meters_per_unit'] == 0.01
+try:
+    from pxr import Usd, UsdGeom
+except ImportError:
+    names = []
+else:
+    names = ['cm.usda', 'cm.usdc']
+for name in names:
+    stage = Usd.Stage.Open(name)
+    curves = UsdGeom.BasisCurves(stage.GetDefaultPrim())
+    assert UsdGeom.GetStageUpAxis(stage) == 'Z' and UsdGeom.GetStageMetersPerUnit(stage) == 0.01, name
+    assert np.array_equal(curves.GetPointsAttr().Get(0), cm['positions'][0]), name
+    assert np.array_equal(curves.GetWidthsAttr().Get(), 2 * cm['radius']), name
+print('units')
+";
+    assert_eq!(asked(folder, program), "units");
     // Drawn strands have as many followers as they have fibres.
     let drawn = support::folder();
     assert_eq!(run(drawn.path(), &["--steps", "12", "--formats", "vtkhdf"]).status.code(), Some(0));

@@ -10,7 +10,7 @@
 //! | `guides` | (strands) i64 | whether each strand is simulated, among followers |
 //! | `root_uv` | (strands, 2) f32 | place of each root in a texture, where a groom file has it |
 //! | `radius` | (points) f32 | of a fibre, where it is known \[m\] |
-//! | `meters_per_unit` | () f64 | 1 |
+//! | `meters_per_unit` | () f64 | that of [`Units`](crate::Units) |
 //! | `scene`, `version`, `adapter` | () bytes | where the film comes from, in UTF-8 |
 
 use std::fs::File;
@@ -31,7 +31,7 @@ use crate::provenance::Provenance;
 /// [`ExportError::Frame`] if there is no frame, or frames have not the same strands; [`ExportError::File`] if the file
 /// cannot be written; an error of [`Film::frame`].
 pub(crate) fn write_npz(path: &Path, film: &Film<'_>) -> Result<(), ExportError> {
-    let Film { frames, frame, provenance, .. } = *film;
+    let Film { frames, frame, provenance, units, .. } = *film;
     let invalid = |problem: &str| ExportError::Frame { path: path.to_path_buf(), problem: problem.to_owned() };
     if frames == 0 {
         return Err(invalid("there is no frame"));
@@ -77,7 +77,7 @@ pub(crate) fn write_npz(path: &Path, film: &Film<'_>) -> Result<(), ExportError>
         }
     }
     archive.begin("meters_per_unit", "<f8", &[], 8)?;
-    archive.put([1.0_f64.to_le_bytes()].into_iter())?;
+    archive.put(std::iter::once(units.metres.to_le_bytes()))?;
     let Provenance { scene, version, adapter, .. } = provenance;
     for (name, text) in [("scene", scene), ("version", version), ("adapter", adapter)] {
         archive.begin(name, &format!("|S{}", text.len().max(1)), &[], text.len())?;

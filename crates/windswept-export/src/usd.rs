@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! #usda 1.0
-//! ( endTimeCode, upAxis "Y", metersPerUnit 1, timeCodesPerSecond,
+//! ( endTimeCode, upAxis, metersPerUnit, timeCodesPerSecond,
 //!   customLayerData.windswept: version, adapter, seed, scene )
 //! def BasisCurves "Hair"      cubic, catmullRom, pinned: curves go through their vertices, which are a strand's points
 //!     curveVertexCounts       points of each strand
@@ -169,7 +169,7 @@ impl UsdWriter {
 /// [`ExportError::Frame`] if there is no frame, or frames have no strands or not the same; [`ExportError::File`] if the
 /// file cannot be written; an error of [`Film::frame`].
 pub(crate) fn write_usd(path: &Path, film: &Film<'_>) -> Result<(), ExportError> {
-    let Film { frames, frame, rate, provenance } = film;
+    let Film { frames, frame, rate, provenance, units } = film;
     let (frames, rate) = (*frames, *rate);
     let invalid = |problem: String| ExportError::Frame { path: path.to_path_buf(), problem };
     if frames == 0 {
@@ -180,7 +180,8 @@ pub(crate) fn write_usd(path: &Path, film: &Film<'_>) -> Result<(), ExportError>
     let unwritten = |e: std::io::Error| failed(path, "could not be written", &e);
     let whole = AtomicFile::new(path).map_err(unwritten)?;
     let mut file = BufWriter::new(whole.create().map_err(unwritten)?);
-    let mut text = stage(rate, provenance, &format!("{}", code(frame(frames - 1)?.time, rate)), "") + &still(&first);
+    let mut text =
+        stage(rate, provenance, *units, &format!("{}", code(frame(frames - 1)?.time, rate)), "") + &still(&first);
     for sampled in &SAMPLED {
         let _ = writeln!(text, "    {}.timeSamples = {{", sampled.name);
         for k in 0..frames {

@@ -5,11 +5,11 @@ use std::path::PathBuf;
 use std::str::FromStr;
 
 use clap::Args;
-use windswept_export::{FilmFile, Format, SHEET};
+use windswept_export::{FilmFile, Format, SHEET, UpAxis};
 
 #[cfg(feature = "spectrum")]
 use super::numbers::scale;
-use super::numbers::{every, moment, seconds};
+use super::numbers::{every, moment, positive, seconds};
 
 #[derive(Debug, Args)]
 pub(crate) struct MeasureArguments {
@@ -66,6 +66,14 @@ fn film_format(word: &str) -> Result<&'static FilmFile, String> {
     found.map(|(_, film)| film).ok_or_else(|| format!("expected one of {}", names.join(", ")))
 }
 
+fn up_axis(word: &str) -> Result<UpAxis, String> {
+    match word {
+        "y" => Ok(UpAxis::Y),
+        "z" => Ok(UpAxis::Z),
+        _ => Err("expected y or z".to_owned()),
+    }
+}
+
 fn film_formats_help() -> String {
     let rows: Vec<_> = Format::of_films().map(|(format, _)| format!("{} ({})", format.name, format.writes)).collect();
     format!("What to write: {}", rows.join(", "))
@@ -85,6 +93,12 @@ pub(crate) struct ExportOptions {
     pub(crate) format: &'static FilmFile,
     #[arg(long, value_name = "FILE", help = film_help())]
     pub(crate) out: Option<PathBuf>,
+    /// Axis that points up in the file: y as in windswept, or z
+    #[arg(long, value_name = "AXIS", value_parser = up_axis, default_value = "y")]
+    pub(crate) up: UpAxis,
+    /// Metres per unit of the file: 0.01 for centimetres
+    #[arg(long, value_name = "M", value_parser = positive, default_value = "1")]
+    pub(crate) scale: f64,
     /// Write all hairs that the strands stand for: those of the groom file, or hair.fibres_per_strand to each strand
     #[arg(long)]
     pub(crate) followers: bool,

@@ -4,6 +4,7 @@ use std::fmt::Write as _;
 
 use windswept_engine::HairFrame;
 
+use crate::film::Units;
 use crate::provenance::Provenance;
 
 /// Text before the last time code, and room for any such number.
@@ -38,11 +39,18 @@ pub(super) fn meta(sampled: &Sampled, rate: f64, provenance: &Provenance<'_>) ->
     }
     let [_, layers @ ..] = &SAMPLED;
     let layers = layers.each_ref().map(|layer| format!("        @./{}@", layer.file)).join(",\n");
-    stage(rate, provenance, &format!("{:<ROOM$}", 0), &format!("    subLayers = [\n{layers}\n    ]\n"))
+    stage(
+        rate,
+        provenance,
+        Units::default(),
+        &format!("{:<ROOM$}", 0),
+        &format!("    subLayers = [\n{layers}\n    ]\n"),
+    )
 }
 
 /// The metadata of a stage.
-pub(super) fn stage(rate: f64, provenance: &Provenance<'_>, last: &str, layers: &str) -> String {
+pub(super) fn stage(rate: f64, provenance: &Provenance<'_>, units: Units, last: &str, layers: &str) -> String {
+    let Units { metres, up } = units;
     let Provenance { scene, version, adapter, seed } = provenance;
     let [scene, version, adapter] = [scene, version, adapter].map(|text| quoted(text));
     format!(
@@ -59,10 +67,10 @@ pub(super) fn stage(rate: f64, provenance: &Provenance<'_>, last: &str, layers: 
     }}
     defaultPrim = \"Hair\"
     framesPerSecond = {rate}
-    metersPerUnit = 1
+    metersPerUnit = {metres}
     startTimeCode = 0
 {layers}    timeCodesPerSecond = {rate}
-    upAxis = \"Y\"
+    upAxis = \"{up:?}\"
 )
 
 "
