@@ -8,7 +8,7 @@ mod python;
 use std::path::Path;
 
 use windswept_engine::{Frame, HairFrame};
-use windswept_export::{ExportError, Film, Format, UsdWriter};
+use windswept_export::{ExportError, Film, Format, Units, UsdWriter};
 
 use film::{PROVENANCE, dump, film, frame};
 
@@ -63,7 +63,10 @@ fn usd_reads_every_frame() {
 /// Writes a film of so many frames as one file of format usd.
 fn write_usd(path: &Path, frames: usize) -> Result<(), ExportError> {
     let (_, usd) = Format::of_films().find(|(format, _)| format.name == "usd").unwrap();
-    (usd.write)(path, &Film { frames, frame: &|k| Ok(frame(k)), rate: RATE, provenance: PROVENANCE })
+    (usd.write)(
+        path,
+        &Film { frames, frame: &|k| Ok(frame(k)), rate: RATE, provenance: PROVENANCE, units: Units::default() },
+    )
 }
 
 /// Wherever a process was ended within a write, the files show the frames before, and the film goes on behind them.
