@@ -474,10 +474,10 @@ class Air(Table):
     """
     rest_density: Key[float, float] = key(default=1.29)
     """Rest density ρ0. A number greater than 0 [kg/m³]. Default 1.29."""
-    spacing: Key[float, float] = key(default=0.004837)
+    spacing: Key[float, float] = key(default=0.004837129507268935)
     """Spacing d of the air particles, by which the air is fine or coarse: a box has its volume over d³ of them. It is
     rounded along each side of the box. The paper's particles of 1.46e-7 kg are 4.837 mm apart. A length in metres
-    greater than 0. Default 0.004837.
+    greater than 0. Default 0.004837129507268935.
     """
     kernel_radius: Key[float | None, float | None] = key(default=None)
     """Kernel radius h. A length in metres greater than 0. Without it: 1.923 spacings."""

@@ -144,6 +144,7 @@ def run(
 
     Raises:
         SceneError: no case makes a scene: a key is unknown, say.
+        Whatever `each` raises: the cases' folders, the table so far and the sheet are there.
     """
     if not vary or not all(len(values) > 0 for values in vary.values()):
         raise ValueError("vary: expected at least one key with at least one value")

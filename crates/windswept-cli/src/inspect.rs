@@ -7,7 +7,7 @@ use std::{
 
 use windswept::{AdapterChoice, Gpu, Simulation};
 use windswept_export::{Followers, Schedule};
-use windswept_scene::{CheckedForce, CheckedScene, InitialState, Scene};
+use windswept_scene::{Air, CheckedForce, CheckedScene, InitialState, Scene};
 
 use crate::arguments::{Changes, SceneOptions};
 use crate::console::{Console, counted_frames};
@@ -42,8 +42,12 @@ pub(crate) fn check(
         console.warn(warning);
     }
     // Last, as the first step may have to wait for the driver's compiler.
-    let run = Trial::run(&scene, initial, adapter)
-        .map_or_else(|failure| format!("was not tried: {}", failure.why()), |trial| trial.words(&scene));
+    let run = match Trial::run(&scene, initial, adapter) {
+        Ok(trial) => trial.words(&scene),
+        // The adapter that was asked for.
+        Err(failure) if adapter.is_some() => return Err(failure),
+        Err(failure) => format!("was not tried: {}", failure.why()),
+    };
     console.print(format_args!("{:<9} {run}", "run"));
     Ok(())
 }
@@ -75,20 +79,31 @@ impl Trial {
         Ok(Self { adapter: gpu.info().to_string(), step, air_particles: simulation.counts().air })
     }
 
-    /// The time of the run, and the spacings of air with which it would take a minute and an hour: a step takes a time in
-    /// proportion to its particles.
+    /// The time of the run's steps, and the spacings of air with which they would take a minute and an hour.
     fn words(&self, scene: &CheckedScene) -> String {
         let steps = Schedule::new(&scene.time, None).steps();
         let whole = self.step * steps as f64;
-        let spacing = |seconds: f64| scene.air.as_ref().map(|air| air.spacing * (whole / seconds).cbrt());
-        let other = match (spacing(60.0), spacing(3600.0)) {
-            (Some(minute), Some(hour)) if self.air_particles > 0 => {
-                format!("; with air.spacing = {minute:.4} a minute, {hour:.4} an hour")
-            }
-            _ => String::new(),
-        };
-        let step = 1e3 * self.step;
-        format!("about {}, {steps} steps of {step:.3} ms, on {}{other}", period(whole), self.adapter)
+        let others: Vec<String> = [(60.0, "a minute"), (3600.0, "an hour")]
+            .into_iter()
+            .filter_map(|(seconds, period)| Some(format!("{} {period}", self.spacing(scene, whole / seconds)?)))
+            .collect();
+        let others =
+            if others.is_empty() { String::new() } else { format!("; with air.spacing = {}", others.join(", ")) };
+        let (whole, step) = (period(whole), 1e3 * self.step);
+        format!(
+            "about {whole} without pictures: {steps} steps, each computed in {step:.3} ms on {}{others}",
+            self.adapter
+        )
+    }
+
+    /// The spacing, to three digits, with which a step takes this part of its time, in proportion to its particles; `None`
+    /// where the scene's other keys do not go with it.
+    fn spacing(&self, scene: &CheckedScene, part: f64) -> Option<f64> {
+        let written = scene.scene();
+        let air = written.air.as_ref().filter(|air| self.air_particles > 0 && air.kernel_radius.is_none())?;
+        let spacing = format!("{:.2e}", air.spacing * part.cbrt()).parse().ok()?;
+        let other = Scene { air: Some(Air { spacing, ..air.clone() }), ..written.clone() };
+        other.check().is_ok().then_some(spacing)
     }
 }
 
@@ -126,7 +141,7 @@ fn summary(scene: &CheckedScene, initial: &InitialState) -> Result<Vec<(&'static
     let fibres: f64 = (0..hair.len()).map(|s| hair.fibres[hair.segments(s).start]).sum();
     rows.push((
         "hair",
-        format!("{} strands that stand for {fibres} fibres, {} points", hair.len(), hair.positions.len()),
+        format!("{} strands that stand for {fibres:.0} fibres, {} points", hair.len(), hair.positions.len()),
     ));
     for (group, file) in (0..).zip(&scene.hair).filter_map(|(group, hair)| Some((group, hair.as_file()?))) {
         let name = Path::new(&file.file).file_name().unwrap_or_default().to_string_lossy().into_owned();

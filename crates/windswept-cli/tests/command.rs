@@ -356,8 +356,8 @@ fn looking_needs_no_folder() {
         "72 steps of 1.38 ms, 7 frames",
         "memory",
         "run       about ",
-        " s, 72 steps of ",
-        "ms, on llvmpipe",
+        " s without pictures: 72 steps, each computed in ",
+        "ms on llvmpipe",
         "; with air.spacing = 0.0",
     ] {
         assert!(said.contains(word), "{word}: {said}");

@@ -142,10 +142,10 @@ impl Followers {
     ) -> Result<Self, ExportError> {
         check_strands(start).map_err(|problem| ExportError::Picture { problem })?;
         let parts = parts(scene, start.offsets.len() - 1, groom)?;
-        let drawn = if groom.is_none() && parts.iter().any(|part| part.file.is_some()) {
-            before_settling(scene, start)?
-        } else {
-            start.clone()
+        let drawn = match groom {
+            _ if scene.time.settle == 0.0 || parts.iter().all(|part| part.file.is_none()) => start.clone(),
+            Some(curves) => of_marked(curves, start),
+            None => before_settling(scene, start)?,
         };
         let start = &drawn;
         let mut made = Self {
@@ -412,17 +412,23 @@ struct Part {
 /// The strands before they settled, which the other curves of a groom file stand beside.
 fn before_settling(scene: &CheckedScene, start: &HairFrame) -> Result<HairFrame, ExportError> {
     let mut frame = start.clone();
-    if scene.time.settle > 0.0 {
-        let initial = InitialState::new(scene).map_err(|error| ExportError::Picture { problem: error.to_string() })?;
-        let of_file = |hair: u32| scene.hair.get(hair as usize).is_some_and(|hair| hair.as_file().is_some());
-        let hair = &initial.hair;
-        for i in (0..hair.len()).filter(|s| of_file(hair.group[*s])).flat_map(|s| hair.points(s)) {
-            if let Some(x) = frame.positions.get_mut(i) {
-                *x = hair.positions[i].as_vec3().to_array();
-            }
+    let initial = InitialState::new(scene).map_err(|error| ExportError::Picture { problem: error.to_string() })?;
+    let of_file = |hair: u32| scene.hair.get(hair as usize).is_some_and(|hair| hair.as_file().is_some());
+    let hair = &initial.hair;
+    for i in (0..hair.len()).filter(|s| of_file(hair.group[*s])).flat_map(|s| hair.points(s)) {
+        if let Some(x) = frame.positions.get_mut(i) {
+            *x = hair.positions[i].as_vec3().to_array();
         }
     }
     Ok(frame)
+}
+
+/// The strands as the marked curves of a caller's groom, which are those of the strands before they settled.
+fn of_marked(curves: &Curves, start: &HairFrame) -> HairFrame {
+    let marked = (0..curves.len()).filter(|s| curves.guides[*s]).flat_map(|s| curves.strand(s));
+    let points: Vec<_> = marked.map(|x| x.map(|x| x as f32)).collect();
+    let positions = if points.len() == start.positions.len() { points } else { start.positions.clone() };
+    HairFrame { positions, ..start.clone() }
 }
 
 /// The scene's groups, in the order of their strands; if the strands are the caller's own, a single group that is not

@@ -58,6 +58,7 @@ const FIXED: &[&str] = &[
     "time.substeps",
     "time.settle",
     "hair.name",
+    "hair.body",
     "hair.strands",
     "hair.points",
     "hair.length",

@@ -48,6 +48,8 @@ use crate::{
 /// Why Gauss-Seidel refuses a clamped tip: it is a joint more, which its sweeps do not take.
 pub(crate) const CLAMPED_TIP: &str =
     "expected \"pinned\" or \"free\" with rods.solver = \"gauss-seidel\", or the direct solver";
+/// Longest time in which hair settles before a run \[s\].
+const LONGEST_SETTLE: f64 = 10.0;
 /// Seed of all chance where the file names none.
 pub(crate) const SEED: u64 = 1;
 
@@ -212,6 +214,9 @@ impl Time {
         if steps > f64::from(most) {
             at.fault("duration", format!("would take {steps:.3e} steps, substeps included; expected at most {most}"));
         }
+        if self.settle > LONGEST_SETTLE {
+            at.fault("settle", format!("expected at most {LONGEST_SETTLE} s, found {}", self.settle));
+        }
         let frames = self.duration.max(self.step) * self.frame_rate;
         if frames > f64::from(most) {
             at.fault("frame_rate", format!("would give {frames:.3e} frames; expected at most {most}"));
@@ -370,8 +375,8 @@ impl SceneValues {
             match self.bodies.iter().find(|body| body.name == name) {
                 None => {
                     let names: Vec<&str> = self.bodies.iter().map(|body| &*body.name).collect();
-                    let known = if names.is_empty() { "there is none".to_owned() } else { names.join(", ") };
-                    let words = format!("expected the name of a body of the scene, found \"{name}\": {known}");
+                    let known = if names.is_empty() { "which has none".to_owned() } else { names.join(", ") };
+                    let words = format!("expected the name of a body of the scene ({known}), found \"{name}\"");
                     at.fault(&format!("hair.{i}.body"), words);
                 }
                 Some(body) if self.hair[i].motion.keyframes.is_empty() => {
@@ -379,10 +384,7 @@ impl SceneValues {
                     self.hair[i].motion = Motion { center, ..body.motion.clone() };
                 }
                 Some(_) if self.hair[i].body.is_some() => {
-                    at.fault(
-                        &format!("hair.{i}.motion"),
-                        "goes with no hair.body, whose motion the roots take part in",
-                    );
+                    at.fault(&format!("hair.{i}.motion"), "expected none beside hair.body: roots move by one of them");
                 }
                 Some(_) => {}
             }

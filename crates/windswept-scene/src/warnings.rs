@@ -150,7 +150,7 @@ const UNREAD: &[(&[&str], Unread)] = &[
         let alone = given.hair.is_empty() && given.scene.fluid.solver == FluidSolver::Divergence;
         alone.then_some("the scene has no hair, whose density the constraint keeps")
     }),
-    (&["hair.motion"], |given| (given.group?.root == End::Free).then_some("the roots are free")),
+    (&["hair.motion", "hair.body"], |given| (given.group?.root == End::Free).then_some("the roots are free")),
     (&["fluid.relaxation"], |given| (given.scene.fluid.iterations == 0).then_some("fluid.iterations is 0")),
     (&["air.fringe", "air.ramp", "air.inflow"], |given| {
         given.scene.air.as_ref().is_some_and(CheckedAir::is_still).then_some("nothing enters while air.wind is zero")
@@ -411,7 +411,7 @@ pub(crate) fn of_roots(scene: &SceneValues, hair: &Strands, bodies: &[CheckedSha
             let away = far.iter().filter(|far| **far > ROOTED).count();
             let name = &body.name;
             match own.body() {
-                Some(_) if away > 0 => {
+                Some(_) if away > 0 && own.root != End::Free => {
                     let most = 1e3 * far.iter().copied().fold(0.0, f64::max);
                     let text = format!(
                         "{away} of {all} roots are farther than {} mm from body.{name}, which they move with; the farthest {most:.1} mm",

@@ -77,7 +77,7 @@ const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
     // A grid that wraps or cannot be summed; a kernel that reaches no neighbour.
     ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, 0.0, 0.0]\nkernel_radius = 1e-6", 14, "air.kernel_radius", &["makes 1.000e15 cells of the box", "at most 8e6"]),
     ("wind = [3.0, 0.0, 0.0]", "kernel_radius = 4.9e-4\nspacing = 2.756e-4\nwind = [3.0, 0.0, 0.0]", 13, "air.kernel_radius", &["makes 8.490e6 cells", "at most 8e6, about 0.0004998 m"]),
-    ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, 0.0, 0.0]\nkernel_radius = 5.8e-3", 14, "air.kernel_radius", &["is 1.199 of the particle spacing, 0.004837 m", "at least 1.2 of it, 0.00580456 m"]),
+    ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, 0.0, 0.0]\nkernel_radius = 5.8e-3", 14, "air.kernel_radius", &["is 1.199 of the particle spacing, 0.00483713 m", "at least 1.2 of it, 0.00580456 m"]),
     ("step = 1.38e-3", "", 1, "time.step", &["is missing", "greater than 0 [s]"]),
     ("duration = 1.0", "duration = true", 3, "time.duration", &["greater than 0", "true"]),
     ("duration = 1.0", "duration = 2026-01-01", 3, "time.duration", &["a date"]),

@@ -8,8 +8,8 @@ use std::collections::BTreeMap;
 use common::QUICK;
 use toml_edit::{Document, Item, TableLike, Value};
 use windswept_scene::{
-    Band, Camera, CheckedScene, DirectFilter, Fibre, Filter, FluidSolver, GridFilter, Inflow, Integrator, Law, LookAt,
-    Method, Model, Moduli, Roots, Scene, SceneValues, Solver, Stiffness, ViscosityForm,
+    Air, Band, Camera, CheckedScene, DirectFilter, Fibre, Filter, FluidSolver, GridFilter, Inflow, Integrator, Law,
+    LookAt, Method, Model, Moduli, Roots, Scene, SceneValues, Solver, Stiffness, ViscosityForm,
     keys::{Fallback, KEYS, Key},
 };
 
@@ -143,7 +143,7 @@ fn what_a_file_leaves_out_has_its_default() {
     let drawn = hair.as_drawn().unwrap();
     let Roots::Disc(patch) = &drawn.roots else { panic!("{drawn:?}") };
     assert_eq!((drawn.curl, patch.direction), (None, [0.0, -1.0, 0.0]));
-    assert_eq!((air.rest_density, air.spacing, air.kernel_radius), (1.29, 4.837e-3, 9.3e-3));
+    assert_eq!((air.rest_density, air.spacing, air.kernel_radius), (1.29, Air::SPACING, 9.3e-3));
     assert_eq!((air.fringe, air.ramp, air.kinematic_viscosity), (4.0 * 9.3e-3, 0.05, 1.5e-5));
     assert_eq!((scene.fluid.iterations, scene.fluid.relaxation), (2, 0.5));
     assert_eq!((scene.turbulence.bands.len(), scene.turbulence.speed), (0, 5.0));

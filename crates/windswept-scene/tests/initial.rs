@@ -60,9 +60,9 @@ fn roots_that_leave_their_body_are_warned_of() {
     for (change, words) in [
         (
             (|hair: &mut Hair| hair.body = Some("had".to_owned())) as fn(&mut Hair),
-            "hair.body: expected the name of a body of the scene, found \"had\": head",
+            "hair.body: expected the name of a body of the scene (head), found \"had\"",
         ),
-        (|hair| hair.motion = [Keyframe::new(0.0)].into(), "hair.motion: goes with no hair.body"),
+        (|hair| hair.motion = [Keyframe::new(0.0)].into(), "hair.motion: expected none beside hair.body"),
     ] {
         let mut wrong = scene.clone();
         change(&mut wrong.hair[0]);

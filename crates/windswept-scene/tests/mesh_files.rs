@@ -77,4 +77,50 @@ fn lines_of_wavefront_files_are_of_any_program() {
         let error = Triangles::read("obj", format!("{text}f 1 2 9\n").as_bytes()).unwrap_err();
         assert!(error.message().starts_with("line 9: "), "{error}");
     }
+    // A mark of the encoding and a comment that ends in a backslash take no line away.
+    for head in ["\u{feff}", "# from C:\\tmp\\\n", "\u{feff}# C:\\\n"] {
+        let mesh = Triangles::read("obj", format!("{head}{text}").as_bytes()).unwrap();
+        assert_eq!(mesh.points, plain.points, "{head:?}");
+    }
+    for (text, line) in [("f\\\n1 2 3\nf 1 2 9\n", 3), ("\\\nf 1 2 \\\n3\nf 1 2 9\n", 4)] {
+        let text = format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{text}");
+        let error = Triangles::read("obj", text.as_bytes()).unwrap_err();
+        assert!(error.message().starts_with(&format!("line {}: ", line + 3)), "{text:?}: {error}");
+    }
+}
+
+/// A skin whose points lack weights, and a default scene without a mesh, are faults; a file without scenes shows all.
+#[test]
+fn faults_of_skins_and_scenes_are_named() {
+    let file = |scenes: &str, skin: &str, attributes: &str| {
+        let json = format!(
+            r#"{{{scenes}"nodes":[{{}},{{"mesh":0{skin}}}],"skins":[{{"joints":[0]}}],
+            "meshes":[{{"primitives":[{{"attributes":{{"POSITION":0{attributes}}}}}]}}],
+            "accessors":[{{"bufferView":0,"componentType":5126,"type":"VEC3","count":3}},
+            {{"bufferView":0,"componentType":5121,"type":"VEC4","count":3}},
+            {{"bufferView":0,"componentType":5121,"type":"VEC4","count":2}}],"bufferViews":[{{"buffer":0}}]}}"#
+        );
+        let corners = [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0].map(f32::to_le_bytes);
+        Triangles::read("glb", &glb_of(&json, corners.as_flattened())).map_err(|error| error.message().to_owned())
+    };
+    let shown = r#""scene":0,"scenes":[{"nodes":[0,1]}],"#;
+    let weights = "mesh 0, primitive 0: expected four joints and four weights a point";
+    for (scenes, skin, attributes, expected) in [
+        ("", "", "", None),
+        (shown, "", "", None),
+        (
+            r#""scenes":[{"nodes":[0]},{"nodes":[1]}],"#,
+            "",
+            "",
+            Some("the file's default scene shows no mesh: expected one in it"),
+        ),
+        (r#""scene":7,"scenes":[{"nodes":[1]}],"#, "", "", Some("found scene 7: expected less than 1")),
+        (shown, r#","skin":0"#, "", Some(weights)),
+        (shown, r#","skin":0"#, r#","JOINTS_0":1,"WEIGHTS_0":2"#, Some(weights)),
+        (shown, r#","skin":1"#, "", Some("found skin 1: expected less than 1")),
+    ] {
+        let found = file(scenes, skin, attributes);
+        assert_eq!(found.as_ref().err().map(String::as_str), expected, "{scenes} {skin} {attributes}");
+        assert!(found.is_err() || found.unwrap().corners.len() == 1);
+    }
 }

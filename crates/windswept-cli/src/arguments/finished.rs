@@ -9,7 +9,7 @@ use windswept_export::{FilmFile, Format, SHEET, UpAxis};
 
 #[cfg(feature = "spectrum")]
 use super::numbers::scale;
-use super::numbers::{every, moment, positive, seconds};
+use super::numbers::{every, moment, seconds};
 
 #[derive(Debug, Args)]
 pub(crate) struct MeasureArguments {
@@ -66,6 +66,12 @@ fn film_format(word: &str) -> Result<&'static FilmFile, String> {
     found.map(|(_, film)| film).ok_or_else(|| format!("expected one of {}", names.join(", ")))
 }
 
+/// Metres per unit of a file.
+fn unit(word: &str) -> Result<f64, String> {
+    let number = word.parse().ok().filter(|x| (1e-9..=1e9).contains(x));
+    number.ok_or_else(|| "expected a number from 1e-9 to 1e9".to_owned())
+}
+
 fn up_axis(word: &str) -> Result<UpAxis, String> {
     match word {
         "y" => Ok(UpAxis::Y),
@@ -97,7 +103,7 @@ pub(crate) struct ExportOptions {
     #[arg(long, value_name = "AXIS", value_parser = up_axis, default_value = "y")]
     pub(crate) up: UpAxis,
     /// Metres per unit of the file: 0.01 for centimetres
-    #[arg(long, value_name = "M", value_parser = positive, default_value = "1")]
+    #[arg(long, value_name = "M", value_parser = unit, default_value = "1")]
     pub(crate) scale: f64,
     /// Write all hairs that the strands stand for: those of the groom file, or hair.fibres_per_strand to each strand
     #[arg(long)]

@@ -38,7 +38,9 @@ impl Simulation {
 
 /// The scene of the hair alone, dragged by air at rest, with everything where it is at the start.
 fn in_still_air(scene: &CheckedScene) -> CheckedScene {
-    scene.assuming(|_, values| {
+    scene.assuming(|written, values| {
+        // Those are of the run, which has not begun.
+        written.changes.clear();
         if values.interaction.model != Model::None {
             values.interaction.model = Model::Drag;
         }

@@ -62,7 +62,7 @@ pub(super) fn read(all: &[u8]) -> Result<Curves, SceneError> {
         }
         // Room is made for no more strands than the file has points.
         bytes.has(total.into(), 12, "the points")?;
-        vec![segments + 1; strands as usize]
+        vec![segments.saturating_add(1); strands as usize]
     };
     let sum: u64 = counts.iter().map(|&count| u64::from(count)).sum();
     if sum != u64::from(total) {

@@ -101,7 +101,7 @@ impl Air {
     /// Density of air ρ0, where a scene does not say it \[kg/m³\].
     pub const REST_DENSITY: f64 = 1.29;
     /// Spacing d of air particles, where a scene does not say it: that of the paper's mass of 1.46e-7 kg \[m\].
-    pub const SPACING: f64 = 4.837e-3;
+    pub const SPACING: f64 = 4.837_129_507_268_935e-3;
     /// Kernel radius h of particles of that spacing: the paper's \[m\].
     pub const KERNEL_RADIUS: f64 = 9.3e-3;
     /// Kinematic viscosity ν of air, where a scene does not say it \[m²/s\].

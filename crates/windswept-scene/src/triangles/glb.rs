@@ -5,7 +5,10 @@
 //!
 //! Source: Khronos Group, "glTF 2.0 Specification", sections 3 (skins: 3.7.3) and 4.4.
 
-use std::{collections::HashMap, sync::Arc};
+use std::{
+    collections::{HashMap, HashSet},
+    sync::Arc,
+};
 
 use glam::{DMat4, DQuat, DVec3};
 use serde::Deserialize;
@@ -21,6 +24,8 @@ use crate::{
 const TRIANGLES: u32 = 4;
 const STRIP: u32 = 5;
 const FAN: u32 = 6;
+/// What each point of a skin needs.
+const WEIGHTED: &str = "expected four joints and four weights a point";
 /// Kinds of extensions of a surface's looks: `KHR_texture_basisu`, `KHR_materials_unlit`.
 const LOOKS: [&str; 3] = ["texture", "materials", "lights"];
 const U8: u32 = 5121;
@@ -33,8 +38,8 @@ const F32: u32 = 5126;
 #[serde(rename_all = "camelCase", default)]
 #[derive(Default)]
 struct Document {
-    /// The scene that is shown, by its index.
-    scene: usize,
+    /// The scene that is shown, by its index; none: the first.
+    scene: Option<usize>,
     scenes: Vec<Nodes>,
     nodes: Vec<Node>,
     meshes: Vec<Mesh>,
@@ -137,16 +142,17 @@ pub(super) fn read(bytes: &[u8]) -> Result<Triangles, SceneError> {
         return Err(SceneError::new(format!("the file requires {extension}: expected plain glTF 2.0")));
     }
     let places = document.places()?;
+    let shown = document.nodes.iter().zip(&places).any(|(node, place)| node.mesh.is_some() && place.is_some());
+    if !shown && !document.meshes.is_empty() {
+        return Err(SceneError::new("the file's default scene shows no mesh: expected one in it"));
+    }
     let mut all = Triangles { unit: Some(1.0), ..Triangles::default() };
     let mut primitives = 0;
     for (node, place) in document.nodes.iter().zip(&places).filter_map(|(node, place)| Some((node, (*place)?))) {
         if let Some(m) = node.mesh {
             let mesh = item(&document.meshes, m, "mesh")?;
             // The joints of a skin carry its mesh, whatever its node.
-            let carry = match node.skin {
-                Some(skin) => document.joints(skin, &places, numbers)?,
-                None => Vec::new(),
-            };
+            let carry = node.skin.map(|skin| document.joints(skin, &places, numbers)).transpose()?;
             // Many nodes may have one mesh.
             primitives += mesh.primitives.len();
             if primitives > MAX_PRIMITIVES {
@@ -155,7 +161,7 @@ pub(super) fn read(bytes: &[u8]) -> Result<Triangles, SceneError> {
             for (k, primitive) in mesh.primitives.iter().enumerate() {
                 let material = primitive.material.and_then(|i| document.materials.get(i)?.name.as_ref());
                 let names = [node.name.as_ref(), mesh.name.as_ref(), material].into_iter().flatten().cloned().collect();
-                let added = document.append(primitive, numbers, place, &carry, names, &mut all);
+                let added = document.append(primitive, numbers, place, carry.as_deref(), names, &mut all);
                 added.map_err(|error| SceneError::new(format!("mesh {m}, primitive {k}: {}", error.message())))?;
             }
         }
@@ -197,8 +203,14 @@ impl Document {
     /// Place of each node of the scene that is shown; `None` for the others.
     fn places(&self) -> Result<Vec<Option<DMat4>>, SceneError> {
         let mut places = vec![None; self.nodes.len()];
-        let shown = self.scenes.get(self.scene).into_iter().flat_map(|scene| &scene.nodes);
-        let mut waiting: Vec<_> = shown.map(|&i| (i, DMat4::IDENTITY)).collect();
+        let roots: Vec<usize> = if self.scenes.is_empty() {
+            // A file without scenes shows all that it has.
+            let children: HashSet<usize> = self.nodes.iter().flat_map(|node| &node.children).copied().collect();
+            (0..self.nodes.len()).filter(|i| !children.contains(i)).collect()
+        } else {
+            item(&self.scenes, self.scene.unwrap_or(0), "scene")?.nodes.clone()
+        };
+        let mut waiting: Vec<_> = roots.into_iter().map(|i| (i, DMat4::IDENTITY)).collect();
         while let Some((i, parent)) = waiting.pop() {
             let node = item(&self.nodes, i, "node")?;
             // A node has one parent: one that comes again is part of a ring.
@@ -242,6 +254,9 @@ impl Document {
                 ["JOINTS", "WEIGHTS"].map(|name| primitive.attributes.get(&format!("{name}_{set}")));
             let (Some(joints), Some(weights)) = (joints, weights) else { break };
             let (joints, weights) = (self.numbers(*joints, numbers, "VEC4")?, self.numbers(*weights, numbers, "VEC4")?);
+            if joints.len() != weights.len() || (set > 0 && joints.len() != 4 * sums.len()) {
+                return Err(SceneError::new(WEIGHTED));
+            }
             sums.resize(joints.len() / 4, (DMat4::ZERO, 0.0));
             for (k, (joint, weight)) in joints.iter().zip(weights).enumerate() {
                 let sum = &mut sums[k / 4];
@@ -259,7 +274,7 @@ impl Document {
         primitive: &Primitive,
         numbers: &[u8],
         place: DMat4,
-        carry: &[DMat4],
+        carry: Option<&[DMat4]>,
         names: Vec<Arc<str>>,
         all: &mut Triangles,
     ) -> Result<(), SceneError> {
@@ -287,10 +302,11 @@ impl Document {
             return Err(SceneError::new(words));
         }
         let first = all.points.len() as u32;
-        let carried = if carry.is_empty() { Vec::new() } else { self.carried(primitive, numbers, carry)? };
-        if !carried.is_empty() && carried.len() != points.len() {
-            return Err(SceneError::new("expected four joints and four weights a point"));
+        let carried = carry.map(|carry| self.carried(primitive, numbers, carry)).transpose()?;
+        if carried.as_ref().is_some_and(|carried| carried.len() != points.len()) {
+            return Err(SceneError::new(WEIGHTED));
         }
+        let carried = carried.unwrap_or_default();
         let place_of = |k: usize| carried.get(k).copied().unwrap_or(place);
         let moved = points.iter().enumerate().map(|(k, x)| place_of(k).transform_point3(DVec3::from_array(*x)));
         all.points.extend(moved);

@@ -140,26 +140,48 @@ fn numbers(words: &str) -> Result<Vec<f32>, String> {
     words.split_whitespace().map(number).collect()
 }
 
+/// Keyword of a line, and what follows it.
+fn words(line: &str) -> (&str, &str) {
+    line.trim().split_once(char::is_whitespace).unwrap_or((line.trim(), ""))
+}
+
+/// The text of a file, lines ended as here. A line goes on behind a backslash at its end, unless it is a comment: in the
+/// place of the break stands [`CONTINUED`].
+fn joined(text: &str) -> String {
+    let text = text.trim_start_matches('\u{feff}').replace("\r\n", "\n").replace('\r', "\n");
+    let mut joined = String::with_capacity(text.len());
+    let mut is_comment = None;
+    for line in text.split_inclusive('\n') {
+        let comment = *is_comment.get_or_insert_with(|| line.trim_start().starts_with('#'));
+        match line.strip_suffix("\\\n").filter(|_| !comment) {
+            Some(part) => joined.extend([part, CONTINUED]),
+            None => {
+                joined.push_str(line);
+                is_comment = None;
+            }
+        }
+    }
+    joined
+}
+
 pub(super) fn read(bytes: &[u8]) -> Result<Triangles, SceneError> {
     // Comments and names may be of any encoding: numbers are text of all.
-    let text = String::from_utf8_lossy(bytes).replace("\r\n", "\n").replace('\r', "\n");
-    // A line goes on behind a backslash at its end.
-    let text = text.replace("\\\n", CONTINUED);
-    let lines = || text.lines().map(|line| line.trim().split_once(char::is_whitespace).unwrap_or((line.trim(), "")));
-    let all = INDEXED.map(|(keyword, _)| lines().filter(|(word, _)| *word == keyword).count());
+    let text = joined(&String::from_utf8_lossy(bytes));
+    let all = INDEXED.map(|(keyword, _)| text.lines().filter(|line| words(line).0 == keyword).count());
     let mut read = Lines { all, ..Lines::default() };
     let mut number = 1;
-    for (keyword, rest) in lines() {
+    for line in text.lines() {
+        let (keyword, rest) = words(line);
         let taken = read.take(keyword, rest.trim());
         taken.map_err(|words| SceneError::new(format!("line {number}: {words}")))?;
-        number += 1 + rest.matches(CONTINUED).count();
+        number += 1 + line.matches(CONTINUED).count();
     }
     let Lines { points, places, normals, corners: [corners, of_places, of_normals], parts, .. } = read;
     // A file that ends within a line although some of its points are of no face yet was cut off there.
     let unused = points.len() - corners.as_flattened().iter().collect::<HashSet<_>>().len();
     if unused > 0 && !text.ends_with('\n') {
         let words = format!("expected the end of the line: {unused} of the {} points are of no face yet", points.len());
-        let fault = SceneError::new(format!("line {}: {words}", text.lines().count()));
+        let fault = SceneError::new(format!("line {}: {words}", number - 1));
         return Err(fault.with_help("the file is cut off there, or lacks the line break at its end"));
     }
     let parts = parts.into_iter().map(|(names, triangles)| Part { names: names.each(), triangles });
