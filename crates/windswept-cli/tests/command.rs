@@ -358,7 +358,6 @@ fn looking_needs_no_folder() {
         "run       about ",
         " s without pictures: 72 steps, each computed in ",
         "ms on llvmpipe",
-        "; with air.spacing = 0.0",
     ] {
         assert!(said.contains(word), "{word}: {said}");
     }

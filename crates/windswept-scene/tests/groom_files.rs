@@ -137,7 +137,7 @@ fn counts_beyond_the_file_are_errors() {
     let mut none = with(16, u32::MAX);
     none[4..16].copy_from_slice(&[0, 0, 0, 0, 0, 0, 0, 0, 2, 0, 0, 0]);
     none.truncate(128);
-    assert!(Curves::load(folder.write("none.hair", &none), None).unwrap().is_empty());
+    assert!(Curves::load(folder.write("no_strands.hair", &none), None).unwrap().is_empty());
     refused("a.hair", &hair[..hair.len() - 1], &[&format!("ends at byte {}", hair.len() - 1)]);
     refused("a.hair", &[&hair[..], b"x"].concat(), &["expected the end of the file, found 1 bytes more"]);
     refused("a.data", &u32::MAX.to_le_bytes(), &["at least 0; found -1"]);
