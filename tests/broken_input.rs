@@ -56,7 +56,7 @@ const CASES: &[Case] = &[
     replaced(RADIUS, "radius = -4.0e-5", "hair.fringe.radius", &["0"]),
     replaced("kernel_radius = 9.3e-3", "kernel_radius = 0", "air.kernel_radius", &["0"]),
     replaced("step = 1.38e-3", "step = -1.38e-3", "time.step", &["0"]),
-    replaced("kernel_radius = 9.3e-3", "spacing = 0.0", "air.spacing", &["0"]),
+    replaced("spacing = 4.837e-3", "spacing = 0.0", "air.spacing", &["0"]),
     replaced(STRANDS, "strands = -4", "hair.fringe.strands", &["-4"]),
     replaced("direction = [1.0, 0.0, 0.0]", "direction = [0.0, 0.0, 0.0]", "hair.fringe.roots.direction", &[]),
     // A box smaller than 3 h, or inside out.
