@@ -66,7 +66,7 @@ struct Trial {
 impl Trial {
     fn run(scene: &CheckedScene, initial: InitialState, adapter: Option<&str>) -> Result<Self, Failure> {
         let gpu = Gpu::new(&AdapterChoice::from_flag(adapter))?;
-        // A state of one's own does not settle.
+        // `with_state` leaves hair where the state has it, also with `time.settle`.
         let mut simulation = Simulation::with_state(&gpu, scene, initial)?;
         // The first step has its pipelines compiled, and the second one begins with the state that the first one left.
         simulation.step(2)?;

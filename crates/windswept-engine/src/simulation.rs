@@ -152,7 +152,7 @@ impl Simulation {
         Ok(Self { own_hair: true, ..own })
     }
 
-    /// A simulation that starts from the caller's own arrays; the scene's `[hair]` and lattice are not looked at. Hair
+    /// A simulation that starts from the caller's own arrays; the scene's `[hair]`, `time.settle` and lattice are not looked at. Hair
     /// that is too light for the model `particles` carries air along, with a warning:
     /// [`Strands::add_air_mass`](windswept_scene::Strands::add_air_mass).
     ///

@@ -35,7 +35,7 @@ pub fn step(state: &mut State, p: &Parameters) -> Result<(), Frozen> {
 /// Those of [`step`].
 pub fn step_observed(state: &mut State, p: &Parameters, see: &mut Observer<'_>) -> Result<(), Frozen> {
     let mut s = state.clone();
-    // 1. Bad strands are reset; clamps and bodies move; wind enters; air moves, and hair drifts among it.
+    // 1. Invalid strands are reset; clamps and bodies move; wind enters; air moves, and hair drifts among it.
     let invalid = forcing::recover(&mut s);
     see("forcing/reset", &s, &Scratch { invalid, ..Scratch::default() });
     let mut w = Scratch { invalid, ..forcing::run(&s, p, see) };

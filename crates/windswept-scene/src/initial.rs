@@ -198,7 +198,8 @@ fn sizes(hair: &Strands, strand: usize, body: &str, shape: &CheckedShape) -> Str
     let bounds = hair.bounds(hair.group.get(strand).copied());
     let sides = |[low, high]: [DVec3; 2]| (high - low).to_array().map(|side| format!("{side:.3}")).join(" x ");
     format!(
-        "the groom is {} m large, body \"{body}\" {} m: hair.scale is the metres per unit of the groom's file, hair.up its axis that points up",
+        "the groom is {} m large, body \"{body}\" {} m: hair.scale is the metres per unit of the groom's file, hair.up the axis \
+         that points up in it",
         sides(bounds),
         sides(shape.bounds())
     )

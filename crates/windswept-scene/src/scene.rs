@@ -294,7 +294,7 @@ impl SceneValues {
             Some("fluid.solver is pbf")
         } else if self.interaction.model == Model::Particles {
             Some("interaction.model is particles: the coarse grid does not know hair")
-        } else if self.air.as_ref().is_some_and(|air| air.kernel_radius < few * air.particle_volume().cbrt()) {
+        } else if self.air.as_ref().is_some_and(|air| air.kernel_radius < few * air.spacing) {
             Some("air.kernel_radius is below 1.5 particle spacings, too few neighbours for the coarse grid's pressure")
         } else {
             None
@@ -329,8 +329,7 @@ impl SceneValues {
     /// [`SceneError`] with the key of `hair.roots` that names what is not there.
     pub(crate) fn scalp(&self, scalp: &Scalp) -> Result<(&CheckedBody, &Solid, Vec<usize>), SceneError> {
         let fault = |key: &str, what: &str, found: &str, known: Vec<&str>| {
-            let known = if known.is_empty() { "there is none".to_owned() } else { known.join(", ") };
-            SceneError::new(format!("expected {what}, found \"{found}\": {known}")).at(key, None)
+            SceneError::new(unknown(what, found, &known)).at(key, None)
         };
         let mut meshes = self.bodies.iter().filter_map(|body| Some((body, body.shape.solid()?)));
         let Some((body, solid)) = meshes.clone().find(|(body, _)| body.name == scalp.body) else {
@@ -375,9 +374,7 @@ impl SceneValues {
             match self.bodies.iter().find(|body| body.name == name) {
                 None => {
                     let names: Vec<&str> = self.bodies.iter().map(|body| &*body.name).collect();
-                    let known = if names.is_empty() { "which has none".to_owned() } else { names.join(", ") };
-                    let words = format!("expected the name of a body of the scene ({known}), found \"{name}\"");
-                    at.fault(&format!("hair.{i}.body"), words);
+                    at.fault(&format!("hair.{i}.body"), unknown("the name of a body of the scene", &name, &names));
                 }
                 Some(body) if self.hair[i].motion.keyframes.is_empty() => {
                     let center = Some(body.shape.center());
@@ -390,6 +387,12 @@ impl SceneValues {
             }
         }
     }
+}
+
+/// The words of a fault of a name that there is not, with those that there are.
+fn unknown(what: &str, found: &str, known: &[&str]) -> String {
+    let known = if known.is_empty() { "there is none".to_owned() } else { known.join(", ") };
+    format!("expected {what} ({known}), found \"{found}\"")
 }
 
 impl Scene {

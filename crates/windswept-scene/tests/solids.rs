@@ -342,9 +342,9 @@ fn roots_on_what_is_not_there_are_refused() {
     let body = "[[body]]\nname = \"box\"\nshape = \"mesh\"\nfile = \"box.obj\"\nscale = 1\nresolution = 4e-3\n\
         [[body]]\nname = \"ball\"\nradius = 0.1\ncenter = [0, -1, 0]\n";
     for (keys, key, words) in [
-        ("body = \"boks\"", "body", "expected the name of a body with shape \"mesh\", found \"boks\": box"),
-        ("body = \"ball\"", "body", "found \"ball\": box"),
-        ("body = \"box\", group = \"roof\"", "group", "found \"roof\": glass, sides, top, wood"),
+        ("body = \"boks\"", "body", "expected the name of a body with shape \"mesh\" (box), found \"boks\""),
+        ("body = \"ball\"", "body", "(box), found \"ball\""),
+        ("body = \"box\", group = \"roof\"", "group", "(glass, sides, top, wood), found \"roof\""),
         ("group = \"top\"", "body", "is missing: expected a string"),
         (
             "body = \"box\", radius = 0.1",

@@ -108,7 +108,7 @@ impl Air {
     pub const KINEMATIC_VISCOSITY: f64 = 1.5e-5;
     /// Volume of an air particle of that spacing \[m³\].
     pub const PARTICLE_VOLUME: f64 = Self::SPACING * Self::SPACING * Self::SPACING;
-    /// Its mass \[kg\].
+    /// Mass of an air particle of that spacing and density \[kg\].
     pub const PARTICLE_MASS: f64 = Self::REST_DENSITY * Self::PARTICLE_VOLUME;
 
     /// Air that fills a box from the origin to `size` \[m\].
