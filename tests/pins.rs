@@ -132,12 +132,12 @@ fn wrong_pins_are_faults() {
     };
     let ring = "ring = { center = [0, -0.05, 0], radius = 0.01 }";
     for (pin, more, words) in [
-        ("", "", "hair.pin.at: is missing"),
-        ("at = 0.1, fraction = 0.5", "", "hair.pin.fraction: expected none beside at"),
-        ("at = -1", "", "hair.pin.at"),
-        ("fraction = 0.5, body = \"haed\"", "", "hair.pin.body: expected the name of a body of the scene"),
-        (ring, "", "hair.pin.ring: time.settle is 0"),
-        ("fraction = 0.5", "rods.solver = \"gauss-seidel\"", "hair.pin: rods.solver is \"gauss-seidel\""),
+        ("", "", "hair.pin.0.at: is missing"),
+        ("at = 0.1, fraction = 0.5", "", "hair.pin.0.fraction: expected none beside at"),
+        ("at = -1", "", "hair.pin.0.at"),
+        ("fraction = 0.5, body = \"haed\"", "", "hair.pin.0.body: expected the name of a body of the scene"),
+        (ring, "", "hair.pin.0.ring: time.settle is 0"),
+        ("fraction = 0.5", "rods.solver = \"gauss-seidel\"", "hair.pin.0: rods.solver is \"gauss-seidel\""),
     ] {
         let said = said(pin, more);
         println!("{said}");
