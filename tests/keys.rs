@@ -118,6 +118,27 @@ const OTHERS: &[Other] = &[
         ],
     ),
     (|scene| scene.hair[0].motion = Motion::default(), &[("hair.body", "'ball'")]),
+    (|_| {}, &[("air.follows", "'ball'")]),
+    (
+        |scene| scene.hair[0].pins = vec![Pin { at: Some(0.02), ..Pin::default() }],
+        &[("hair.pin.0.at", "0.03"), ("hair.pin.0.body", "'ball'")],
+    ),
+    (
+        |scene| scene.hair[0].pins = vec![Pin { fraction: Some(0.5), ..Pin::default() }],
+        &[("hair.pin.0.fraction", "0.8")],
+    ),
+    (
+        |scene| {
+            scene.time.settle = 0.01;
+            let ring = Ring { center: [0.05, 0.03, 0.025], radius: 0.002, normal: Some([1.0, 0.0, 0.0]) };
+            scene.hair[0].pins = vec![Pin { ring: Some(ring), ..Pin::default() }];
+        },
+        &[
+            ("hair.pin.0.ring.center", "[0.05, 0.032, 0.025]"),
+            ("hair.pin.0.ring.radius", "0.003"),
+            ("hair.pin.0.ring.normal", "[0, 1, 0]"),
+        ],
+    ),
     (
         |scene| {
             let stiffness = StrandStiffness { stretch: 10.0, bend: 1e-8, twist: 1e-8, poissons_ratio: 0.38 };
@@ -185,7 +206,6 @@ const UNSEEN: &[(&str, &str)] = &[
     ("hair.file_radius", "a file"),
     ("hair.file_guides", "a file"),
     ("hair.points_per_strand", "a file"),
-    ("hair.pin", "tests/pins.rs"),
     ("hair.roots.body", "a mesh: windswept-scene/tests/solids.rs"),
     ("hair.roots.group", "a mesh"),
     ("body.file", "a mesh"),

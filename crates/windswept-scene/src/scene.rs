@@ -482,6 +482,7 @@ impl Scene {
             at.fault("viscosity.smagorinsky", words);
         }
         checked.check_bands(self, at);
+        checked.follow_body(self, at);
         checked.check_bodies(at);
         checked.check_picture(at);
         checked.move_roots_with_bodies(at);

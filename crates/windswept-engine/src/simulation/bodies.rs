@@ -9,7 +9,10 @@ use super::{
 };
 use crate::{
     error::{GpuError, RunError},
-    upload::motion::{Motions, hair_on},
+    upload::{
+        motion::{Motions, hair_on},
+        winds,
+    },
 };
 
 impl Simulation {
@@ -67,15 +70,31 @@ impl Simulation {
     /// Gives a body and the hair on it a motion in place of the scene's.
     pub(super) fn set_motion(&mut self, body: usize, motion: Motion) -> Result<(), GpuError> {
         let hair: Vec<usize> = hair_on(&self.given, body).collect();
-        self.scene = self.scene.assuming(|_, values| {
+        let follows = self.given.followed().is_some_and(|followed| followed.name == self.given.bodies[body].name);
+        self.scene = self.scene.assuming(|scene, values| {
+            let mut motion = motion.clone();
+            if follows {
+                // The way of the frame is that since the start.
+                let start = values.bodies[body].motion.keyframes.first().filter(|_| motion.keyframes[0].time > 0.0);
+                let start = start.map_or_else(|| Keyframe::new(0.0), |start| Keyframe { time: 0.0, ..*start });
+                motion.keyframes.splice(0..0, (motion.keyframes[0].time > 0.0).then_some(start));
+            }
             for group in &hair {
                 values.hair[*group].motion.keyframes.clone_from(&motion.keyframes);
             }
-            values.bodies[body].motion = motion.clone();
+            values.bodies[body].motion = motion;
+            if let (Some(written), Some(air), true) = (&scene.air, &mut values.air, follows) {
+                air.gust.clone_from(&written.gust);
+                values.feel_frame();
+            }
         });
         self.was_set = true;
         let (motions, engine) = (Motions::new(&self.scene), &self.engine);
-        if self.bodies_set.insert(body, motion).is_some() {
+        if follows {
+            engine.write(&engine.state().frame_table, &winds::frame_table(&self.scene))?;
+            self.turn_wind()?;
+        }
+        if self.bodies_set.insert(body, motion).is_some() && !follows {
             // Body and hair go by the same keyframes as before, which have other values.
             return engine.write(&engine.state().keyframes, &motions.keyframes);
         }

@@ -25,15 +25,17 @@ impl Motions {
     pub fn new(scene: &CheckedScene) -> Self {
         let step = scene.time.step / f64::from(scene.time.substeps);
         let mut all = Self::default();
-        all.hair = scene.hair.iter().map(|hair| all.append(&hair.motion, step)).collect();
-        all.bodies = scene.bodies.iter().map(|body| all.append(&body.motion, step)).collect();
+        all.hair = scene.hair.iter().map(|hair| all.append(&scene.in_frame(&hair.motion), step)).collect();
+        all.bodies = scene.bodies.iter().map(|body| all.append(&scene.in_frame(&body.motion), step)).collect();
         all
     }
 
     /// Room for keyframes: those of the scene, and of each body and the hair on it two that a caller may set.
     pub(crate) fn room(&self, scene: &CheckedScene) -> u32 {
         let set = (0..scene.bodies.len()).map(|body| 1 + hair_on(scene, body).count()).sum::<usize>();
-        (self.keyframes.len() + 2 * set) as u32
+        // In the frame of a body that is moved everything has its three keyframes as well.
+        let things = if scene.followed().is_some() { scene.hair.len() + scene.bodies.len() } else { 0 };
+        (self.keyframes.len() + 2 * set + 3 * things) as u32
     }
 
     fn append(&mut self, motion: &Motion, step: f64) -> Range<u32> {

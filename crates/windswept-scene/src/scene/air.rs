@@ -7,7 +7,7 @@ use crate::{
     faults::At,
     keys::{
         Fallback::{Derived, Required, Value},
-        Kind::{Count, Fraction, Length, NonNegative, Positive, Table, Tables, Vector},
+        Kind::{Count, Fraction, Length, NonNegative, Positive, Table, Tables, Text, Vector},
     },
     limits::{MAX_AIR_PARTICLES, MAX_BOX_CELLS, MIN_AIR_PARTICLES, MIN_BOX_SIDE, MIN_KERNEL_RADIUS},
     scene::{FluidSolver, Method, Model, Scene},
@@ -59,6 +59,9 @@ table! {
         });
         /// Seed that draws jitter and inflow.
         seed: u64 = Count(0, u32::MAX), "", Derived("seed") => value(|scene| scene.seed);
+        /// Name of a body whose translation the box goes with: what is not held feels it as a wind against the motion. Frames and
+        /// files are in the world.
+        follows: Option<String> = Text, "", Derived("the box stands still");
         /// Turbulence that enters with the wind.
         inflow: Option<Inflow> = Table, "", Derived("that of turbulence.scale and intensity, unless turbulence.inflow = false");
     }
