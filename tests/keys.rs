@@ -151,6 +151,18 @@ const OTHERS: &[Other] = &[
         &[("body.radius", "0.0075"), ("body.start", "[0.045, 0.028, 0.015]"), ("body.end", "[0.045, 0.028, 0.035]")],
     ),
     (
+        |scene| scene.bodies = vec![Body::cuboid([0.045, 0.025, 0.025], [0.016, 0.012, 0.02])],
+        &[
+            ("body.center", "[0.046, 0.025, 0.025]"),
+            ("body.size", "[0.016, 0.014, 0.02]"),
+            ("body.rotation", "[0, 0, 0.4]"),
+        ],
+    ),
+    (
+        |scene| scene.bodies = vec![Body::plane([0.045, 0.03, 0.025], [0.0, 1.0, 0.0])],
+        &[("body.point", "[0.045, 0.031, 0.025]"), ("body.normal", "[0.2, 1, 0]")],
+    ),
+    (
         |scene| {
             let band = Band { scale: 0.008, strength: Band::STRENGTH, intensity: 0.5 };
             scene.turbulence = Turbulence { bands: vec![band], ..Turbulence::default() };

@@ -1,26 +1,29 @@
-// Bodies: all points within a radius of a line, the axis, or all points that a mesh encloses. A sphere's axis is a
-// point, and so is a mesh's: the origin of its file. A mesh is a grid of signed distances, trilinear between the nodes.
+// Bodies: all points within a radius of a box, or all points that a mesh encloses. The box of a sphere is a point, that
+// of a capsule a line, and that of a plane has one side that ends. A mesh is a grid of signed distances, trilinear
+// between the nodes.
 //
 // This file has every function that depends on a body's shape: its place after a step (`place`), the signed distance of
 // a point and its gradient (`surface`, `near`).
 import package::common::{quaternion::{conjugate, product, rotate}, motion::Pose};
 
 struct Body {
-    start: vec3f,          // start of the axis, before any motion [m]
-    radius: f32,           // distance of the surface from the axis [m]
-    end: vec3f,            // end of the axis, before any motion [m]
+    center: vec3f,         // the point that the body turns about, before any motion: of a mesh its file's origin [m]
+    radius: f32,           // distance of the surface from the box [m]
+    low: vec3f,            // corner of the box, from the center, in the body's own axes [m]
+    inradius: f32,         // radius of the largest ball in the body [m]
+    high: vec3f,           // opposite corner of the box [m]
     friction: f32,         // Coulomb's coefficient of hair on the body
+    rotation: vec4f,       // from the body's own axes to the world's, before any motion
+    grid: Grid,            // signed distances of a mesh
     first_keyframe: u32,   // index of the body's first keyframe
     keyframes: u32,        // number of the body's keyframes; without any the body rests
-    rotation: vec4f,       // rotation of a mesh, before any motion
-    grid: Grid,            // signed distances of a mesh
 }
 
 // A grid of signed distances, in a mesh's own place: the origin of its file is at 0.
 struct Grid {
     origin: vec3f,         // the first node [m]
     spacing: f32,          // distance between nodes [m]
-    counts: vec3u,         // nodes along x, y and z; none of a round body
+    counts: vec3u,         // nodes along x, y and z; none but of a mesh
     first: u32,            // index of the first node's distance
 }
 
@@ -34,24 +37,23 @@ override MESHES: bool = true;
 
 // A body in this step.
 struct Placed {
-    start: vec3f,          // start of the axis, after the step [m]
-    radius: f32,           // distance of the surface from the axis [m]
-    end: vec3f,            // end of the axis, after the step [m]
+    center: vec3f,         // the point that the body turns about, after the step [m]
+    radius: f32,           // distance of the surface from the box [m]
+    low: vec3f,            // corner of the box, from the center, in the body's own axes [m]
+    inradius: f32,         // radius of the largest ball in the body [m]
+    high: vec3f,           // opposite corner of the box [m]
     friction: f32,         // Coulomb's coefficient of hair on the body
-    center: vec3f,         // middle of the axis, after the step [m]
-    center_before: vec3f,  // middle of the axis, before the step [m]
+    center_before: vec3f,  // the point that the body turns about, before the step [m]
     turn: vec4f,           // rotation in the step
-    rotation: vec4f,       // rotation of a mesh, after the step
+    rotation: vec4f,       // from the body's own axes to the world's, after the step
     grid: Grid,            // signed distances of a mesh
 }
 
 // The body after a step that takes it from one pose to another.
 fn place(body: Body, before: Pose, after: Pose) -> Placed {
-    let center = 0.5 * (body.start + body.end);
-    let half = rotate(after.rotation, 0.5 * (body.end - body.start));
-    let now = center + after.translation;
     return Placed(
-        now - half, body.radius, now + half, body.friction, now, center + before.translation,
+        body.center + after.translation, body.radius, body.low, body.inradius, body.high, body.friction,
+        body.center + before.translation,
         // Exactly the identity where the body does not turn: a body at rest wakes no hair.
         select(normalize(product(after.rotation, conjugate(before.rotation))), vec4f(0.0, 0.0, 0.0, 1.0),
             all(before.rotation == after.rotation)),
@@ -72,40 +74,38 @@ fn surface(body: Placed, x: vec3f) -> Surface {
 // The surface seen from the place `base + way` [m], with `base` relative to the body's center. A short `way` enters
 // with its own rounding error, not with that of the sum: hair at rest does not tremble.
 fn near(body: Placed, base: vec3f, way: vec3f) -> Surface {
-    if is_mesh(body) {
-        let back = conjugate(body.rotation);
-        let seen = surface_of_grid(body.grid, rotate(back, base), rotate(back, way));
-        return Surface(rotate(body.rotation, seen.normal), seen.distance);
+    let back = conjugate(body.rotation);
+    let own = rotate(back, base);
+    let own_way = rotate(back, way);
+    var seen: Surface;
+    if is_mesh(body) { seen = surface_of_grid(body.grid, own, own_way); } else { seen = surface_of_box(body, own, own_way); }
+    return Surface(rotate(body.rotation, seen.normal), seen.distance);
+}
+
+// Distance from the surface about a box, and its gradient, at `x + way`, in the body's own axes.
+fn surface_of_box(body: Placed, x: vec3f, way: vec3f) -> Surface {
+    let none = vec3f(0.0);
+    // From the box to the start and to the end of the way.
+    let first = max(x - body.high, none) - max(body.low - x, none);
+    let above = (x - body.high) + way;
+    let below = (body.low - x) - way;
+    let last = max(above, none) - max(below, none);
+    let moved = select(last - first, way, first * last > none);
+    let r = length(first + moved);
+    if r > 1e-6 * body.radius {
+        return Surface((first + moved) / r,
+            (length(first) - body.radius) + dot(moved, 2.0 * first + moved) / (length(first) + r));
     }
-    let axis = body.end - body.start;
-    let squared = dot(axis, axis);
-    let gap_to_start = base + 0.5 * axis;
-    var first = 0.0;   // part of the axis that is nearest to the base,
-    var more = 0.0;    // and how much farther along the nearest is in the end
-    if squared > 0.0 {
-        let along = vec2f(dot(gap_to_start, axis), dot(way, axis)) / squared;
-        first = clamp(along.x, 0.0, 1.0);
-        let last = clamp(along.x + along.y, 0.0, 1.0);
-        more = select(last - first, along.y, first == along.x && last == along.x + along.y);
-    }
-    let gap = gap_to_start - first * axis;
-    let moved = way - more * axis;
-    let r = length(gap + moved);
-    let distance = (length(gap) - body.radius)
-        + dot(moved, 2.0 * gap + moved) / max(length(gap) + r, 1e-6 * body.radius);
-    if r > 1e-6 * body.radius { return Surface((gap + moved) / r, distance); }
-    // On the axis any direction normal to it is an outward normal.
-    let across = select(vec3f(axis.z, 0.0, -axis.x), vec3f(0.0, axis.z, -axis.y), abs(axis.x) > abs(axis.y));
-    return Surface(select(vec3f(0.0, 1.0, 0.0), normalize(across), squared > 0.0), -body.radius);
+    // In the box the nearest side counts; of sides that are equally near, one across the longest.
+    let beyond = max(below, above);
+    let sign = select(vec3f(1.0), vec3f(-1.0), below > above);
+    if beyond.y >= max(beyond.x, beyond.z) { return Surface(vec3f(0.0, sign.y, 0.0), beyond.y - body.radius); }
+    if beyond.z >= beyond.x { return Surface(vec3f(0.0, 0.0, sign.z), beyond.z - body.radius); }
+    return Surface(vec3f(sign.x, 0.0, 0.0), beyond.x - body.radius);
 }
 
 fn is_mesh(body: Placed) -> bool {
     return MESHES && body.grid.counts.x > 0u;
-}
-
-// The point in a mesh's own place.
-fn in_mesh(body: Placed, x: vec3f) -> vec3f {
-    return rotate(conjugate(body.rotation), x - body.center);
 }
 
 // Distance from the surface of a grid, and its unit gradient, at `x + way`. Beyond the grid the distance is the least

@@ -259,7 +259,12 @@ fn a_surface_that_encloses_nothing_is_refused() {
     }
     assert!(DistanceGrid::bake(&Triangles::default(), 0.01, 0.0).is_err());
     assert_eq!(DistanceGrid::spacing_for([DVec3::ZERO, DVec3::new(0.128, 0.1, 0.064)]), 0.001);
-    assert_eq!(DistanceGrid::spacing_for([DVec3::ZERO, DVec3::ONE]), 0.002);
+    assert_eq!(DistanceGrid::spacing_for([DVec3::ZERO, DVec3::new(1.0, 0.4, 0.2)]), 0.002);
+    // A cube of 1 m has (1/h + 21)³ nodes, and a tenth of a millimetre less would be too many; so for a person. Beyond 2 m a
+    // scale of other units is the likelier fault.
+    assert_eq!(DistanceGrid::spacing_for([DVec3::ZERO, DVec3::ONE]), 0.0034);
+    assert_eq!(DistanceGrid::spacing_for([DVec3::ZERO, DVec3::new(1.6, 1.8, 0.4)]), 0.0036);
+    assert_eq!(DistanceGrid::spacing_for([DVec3::ZERO, DVec3::splat(80.0)]), 0.002);
 }
 
 fn ply(mesh: &Triangles, binary: bool) -> Vec<u8> {

@@ -1,6 +1,7 @@
 //! Bodies as the shaders see them (`shaders/common/body.wgsl`).
 
-use windswept_scene::{CheckedScene, InitialState, Solid};
+use glam::DVec3;
+use windswept_scene::{CheckedScene, Form, InitialState, RoundBox, Solid};
 use windswept_shaders::common::body::{Body, Grid};
 
 use crate::upload::{
@@ -13,18 +14,24 @@ use crate::upload::{
 pub(crate) fn bodies(scene: &CheckedScene, initial: &InitialState, motions: &Motions) -> Vec<Body> {
     let solids = scene.solids();
     let each = scene.bodies.iter().zip(&motions.bodies).map(|(body, keyframes)| {
-        let round = body.shape.round();
-        let [start, end] = round.ends.map(|end| vec3(end - initial.origin));
-        let solid = body.shape.solid();
+        let (form, grid) = match body.shape.form() {
+            Form::Round(round) => (round, Grid::default()),
+            Form::Mesh(solid) => {
+                let (center, rotation, none) = (solid.origin(), solid.rotation(), DVec3::ZERO);
+                (RoundBox { center, rotation, low: none, high: none, radius: 0.0 }, grid(solid, &solids))
+            }
+        };
         Body {
-            start,
-            radius: body.shape.inradius() as f32,
-            end,
+            center: vec3(form.center - initial.origin),
+            radius: form.radius as f32,
+            low: vec3(form.low),
+            inradius: body.shape.inradius() as f32,
+            high: vec3(form.high),
             friction: body.friction as f32,
+            rotation: quat(form.rotation),
+            grid,
             first_keyframe: keyframes.start,
             keyframes: keyframes.len() as u32,
-            rotation: quat(solid.map_or_else(Default::default, Solid::rotation)),
-            grid: solid.map_or_else(Grid::default, |solid| grid(solid, &solids)),
             ..Body::default()
         }
     });
