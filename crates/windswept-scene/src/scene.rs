@@ -190,16 +190,51 @@ table! {
 }
 
 impl Time {
-    /// Steps between two frames, not rounded; at least 1, as no state is exported twice.
+    /// Steps between two frames; at least 1, as no state is exported twice. A whole number where it is one to 1e-5, as of
+    /// a step that is written with few digits; else frames are at the nearest steps.
     #[must_use]
     pub fn steps_per_frame(&self) -> f64 {
-        (1.0 / (self.frame_rate * self.step)).max(1.0)
+        let steps = 1.0 / (self.frame_rate * self.step);
+        let whole = steps.round().max(1.0);
+        if (steps - whole).abs() < 1e-5 * whole { whole } else { steps.max(1.0) }
     }
 
     /// Number of steps before frame `k`: round(k / (frame_rate Δt)).
     #[must_use]
     pub fn step_of_frame(&self, k: u64) -> u64 {
         (k as f64 * self.steps_per_frame()).round() as u64
+    }
+
+    /// Steps from frame to frame, where those are as long as a frame; `None` where they are not.
+    fn whole_steps(&self) -> Option<f64> {
+        let steps = self.steps_per_frame();
+        (steps.fract() == 0.0 && (steps * self.frame_rate * self.step - 1.0).abs() < 2e-5).then_some(steps)
+    }
+
+    /// Time code of a state at `time` \[s\], in a film of `frame_rate` codes per second: frames are at whole ones where a
+    /// whole number of steps is as long as a frame.
+    #[must_use]
+    pub fn code(&self, time: f64) -> f64 {
+        match self.whole_steps() {
+            Some(steps) => (time / self.step).round() / steps,
+            // A product of two decimal numbers, without its last bits.
+            None => (time * self.frame_rate * 1e9).round() / 1e9,
+        }
+    }
+
+    /// Says at which time codes frames are, where those are not whole ones.
+    #[must_use]
+    pub fn uneven(&self) -> Option<String> {
+        if self.whole_steps().is_some() {
+            return None;
+        }
+        let step = format!("{:.5e}", 1.0 / (self.frame_rate * self.steps_per_frame().round()));
+        let (step, first) = (step.parse().unwrap_or(self.step), self.step_of_frame(1) as f64 * self.step);
+        Some(format!(
+            "frames are at the nearest steps of {} s, the first at time code {}; time.step = {step} puts them at whole ones",
+            self.step,
+            self.code(first)
+        ))
     }
 
     /// A run of `duration` \[s\] with steps of `step` \[s\] and 60 frames per second.

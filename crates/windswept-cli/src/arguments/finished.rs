@@ -108,6 +108,9 @@ pub(crate) struct ExportOptions {
     /// Write all hairs that the strands stand for: those of the groom file, or hair.fibres_per_strand to each strand
     #[arg(long)]
     pub(crate) followers: bool,
+    /// Write the hair alone, without bodies and cameras
+    #[arg(long)]
+    pub(crate) hair_only: bool,
     /// Replace the file if it is there
     #[arg(long)]
     pub(crate) overwrite: bool,

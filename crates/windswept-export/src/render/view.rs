@@ -5,7 +5,8 @@ use std::f64::consts::PI;
 use glam::dcamera::lh::view::look_to_mat4;
 use glam::dcamera::rh::{proj, view::look_at_mat4};
 use glam::{DMat4, DVec3, Vec3, Vec4};
-use windswept_scene::{Band, Camera, CheckedAir, CheckedBody, CheckedScene, Fibre, Hair, LookAt, Model, Pose};
+use windswept_engine::HairFrame;
+use windswept_scene::{Band, Camera, CheckedAir, CheckedBody, CheckedScene, Curves, Fibre, Hair, LookAt, Model, Pose};
 use windswept_shaders::pictures::common::{self as shader, FINE, GRID, Light};
 
 use super::patch::{ends, patches};
@@ -33,6 +34,15 @@ pub struct View {
 }
 
 impl View {
+    /// The scene's camera as pictures of a film are taken with it, whose hair is `start` at first; `groom` is a caller's
+    /// own.
+    ///
+    /// # Errors
+    /// [`ExportError::Picture`] as [`Self::new`] and [`Followers::with_groom`].
+    pub fn of(scene: &CheckedScene, start: &HairFrame, groom: Option<&Curves>) -> Result<Self, ExportError> {
+        Self::new(scene, &Followers::about(scene, start, groom, scene.picture.hairs)?)
+    }
+
     /// The scene's camera, the same for every frame of a film; where the scene does not say where it stands, one that
     /// sees where these strands may go from their start.
     ///
@@ -78,6 +88,13 @@ impl View {
         fit.view(&scene.camera)
     }
 
+    /// Unit vectors to the picture's right and top, and from what the camera looks at to the camera.
+    pub(crate) fn axes(&self) -> [DVec3; 3] {
+        let back = (self.eye - self.target).normalize();
+        let right = self.up().cross(back).normalize();
+        [right, back.cross(right), back]
+    }
+
     fn up(&self) -> DVec3 {
         let forward = (self.target - self.eye).normalize_or(DVec3::NEG_Z);
         if forward.cross(DVec3::Y).length() > 1e-3 { DVec3::Y } else { DVec3::NEG_Z }
@@ -103,9 +120,8 @@ impl View {
 
     /// The uniform buffer of the shaders, for hair within this box \[m\].
     pub(super) fn uniform(&self, low: DVec3, high: DVec3, hairs: u32, samples: u32) -> shader::View {
-        let forward = (self.target - self.eye).normalize();
-        let right = forward.cross(self.up()).normalize();
-        let up = right.cross(forward);
+        let [right, up, back] = self.axes();
+        let forward = -back;
         let drawn = [FINE * self.width, FINE * self.height].map(f64::from);
         let pixel = 2.0 * (0.5 * self.fov.to_radians()).tan() / drawn[1];
         let far: Vec<f64> = corners(low, high).iter().map(|x| x.distance(self.eye)).collect();
