@@ -10,7 +10,7 @@ use std::path::Path;
 use glam::{DQuat, DVec3};
 use windswept_engine::{Frame, HairFrame};
 use windswept_export::{ExportError, Film, Format, Scenery, Units, UsdWriter, View};
-use windswept_scene::{Body, Pose, Scene, Time};
+use windswept_scene::{Body, CheckedBody, Form, Pose, Scene, Time};
 
 use film::{PROVENANCE, dump, film as hair_film, frame as hair_frame};
 
@@ -66,7 +66,12 @@ fn read_back(folder: &Path, frames: usize) {
     // The ends of each body's axis, where a frame has them.
     let ends = |frame: &Frame| {
         let bodies = scenery().bodies.into_iter().zip(&frame.bodies);
-        bodies.flat_map(|(body, pose)| body.placed(pose).round().ends).flat_map(|x| x.to_array()).collect::<Vec<_>>()
+        let both = |(body, pose): (CheckedBody, &Pose)| {
+            let placed = body.placed(pose);
+            let Form::Round(shape) = placed.form() else { panic!("a mesh") };
+            [shape.low, shape.high].map(|end| shape.center + shape.rotation * end)
+        };
+        bodies.flat_map(both).flat_map(|x| x.to_array()).collect::<Vec<_>>()
     };
     std::fs::write(folder.join("ends.f64"), numbers(film(frames).iter().flat_map(ends).collect())).unwrap();
     // Places in the camera's picture.

@@ -71,8 +71,8 @@ const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
     ("[hair.roots]\ncenter = [0.05, 0.05, 0.05]\nradius = 0.01\n", "", 4, "hair.roots.center", &["is missing"]),
     ("max = [0.1, 0.1, 0.1]", "max = [0.1, 0.02, 0.1]", 12, "air.box", &["at least 3 kernel radii", "0.02 m in y"]),
     ("max = [0.1, 0.1, 0.1]", "max = [0.1, -0.1, 0.1]", 12, "air.box", &["max above min", "in y"]),
-    ("max = [0.1, 0.1, 0.1]", "max = [100.0, 100.0, 100.0]", 12, "air.box", &["would hold 8.836e12 particles", "at most 50000000"]),
-    ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, 0.0, 0.0]\nkernel_radius = 9.3e-3\nspacing = 0.0919", 12, "air.box", &["would hold 1.288 particles", "at least 27"]),
+    ("max = [0.1, 0.1, 0.1]", "max = [100.0, 100.0, 100.0]", 12, "air.box", &["would hold 8.836e12 particles", "at most 50000000, with a spacing of at least"]),
+    ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, 0.0, 0.0]\nkernel_radius = 9.3e-3\nspacing = 0.0919", 12, "air.box", &["would hold 1.28841 particles", "at least 27, with a spacing of at most 0.0333333 m"]),
     ("max = [0.1, 0.1, 0.1]", "max = [0.1, 0.0278, 0.1]", 12, "air.box", &["at least 3 kernel radii, 0.0279 m; found 0.0278 m in y"]),
     // A grid that wraps or cannot be summed; a kernel that reaches no neighbour.
     ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, 0.0, 0.0]\nkernel_radius = 1e-6", 14, "air.kernel_radius", &["makes 1.000e15 cells of the box", "at most 8e6"]),
@@ -151,6 +151,10 @@ const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
     ("[air]", "[air.inflow]\nscale = 0.01\n[air]", 11, "air.inflow.intensity", &["is missing"]),
     ("[air]", "[air.inflow]\nscale = 0\nintensity = 0.1\n[air]", 12, "air.inflow.scale", &["greater than 0"]),
     ("[air]", "[[air.gust]]\ntime = 1\nvelocity = [0, 0, 0]\n[[air.gust]]\ntime = 1\nvelocity = [0, 0, 0]\n[air]", 15, "air.gust.1.time", &["after that of the keyframe before, 1 s"]),
+    ("[air]", "[camra]\nfov = 30\n[air]", 11, "camra", &["unknown key", "did you mean camera?"]),
+    ("[air]", "[forces]\nfield = \"jet\"\n[air]", 11, "forces", &["unknown key", "did you mean force?"]),
+    ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, 0.0, 0.0]\nparticle_mass = 1e-7", 14, "air.particle_mass", &["unknown key", "air.spacing says how fine the air is"]),
+    ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, 0.0, 0.0]\nkernel_radius = 9.3e-3\nspacing = 4.8", 12, "air.box", &["would hold 0.00000904225 particles", "at most 0.0333333 m"]),
     // Bodies and their motion.
     ("[air]", "[[body]]\n[air]", 11, "body.center", &["is missing: expected three numbers", "body.radius: is missing"]),
     ("[air]", "[[body]]\nradius = 0.02\n[air]", 11, "body.center", &["is missing: expected three numbers"]),

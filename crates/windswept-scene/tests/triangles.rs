@@ -611,3 +611,16 @@ fn a_file_that_is_too_long_is_not_read() {
     let said = refused("long.glb", "", 1_000_000_001);
     assert!(said.contains("expected a file of at most 1000000000 bytes, found 1000000001"), "{said}");
 }
+
+/// Strips of a `.ply` file, as Stanford's scans have them: a sheet of two squares, whose fronts are on one side, and a
+/// triangle of a strip of its own.
+#[test]
+fn strips_of_ply_files_are_triangles() {
+    let text = "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\n\
+                element tristrips 1\nproperty list int int vertex_indices\nend_header\n\
+                0 0 0\n0 1 0\n1 0 0\n1 1 0\n2 0 0\n2 1 0\n11 0 1 2 3 4 5 -1 0 2 1 -1\n";
+    let read = Triangles::read("ply", text.as_bytes()).unwrap();
+    assert_eq!(read.corners, [[0, 1, 2], [2, 1, 3], [2, 3, 4], [4, 3, 5], [0, 2, 1]]);
+    let outside = text.replace("3 4 5 -1", "3 4 6 -1");
+    assert!(Triangles::read("ply", outside.as_bytes()).is_err());
+}

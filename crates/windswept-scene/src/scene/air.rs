@@ -223,13 +223,22 @@ pub(crate) fn check_size(bounds: &Bounds, volume: f64, radius: f64) -> Result<()
     if count < least {
         return Err((
             "box",
-            format!("would hold {count:.3} particles with this air.spacing; expected at least {least}"),
+            format!(
+                "would hold {} particles with this air.spacing; expected at least {least}, with a spacing of at most {} m, or a box of \
+                 other units",
+                rounded(count),
+                rounded((count * volume / least).cbrt())
+            ),
         ));
     }
     if count > f64::from(most) {
         return Err((
             "box",
-            format!("would hold {count:.3e} particles with this air.spacing; expected at most {most}"),
+            format!(
+                "would hold {count:.3e} particles with this air.spacing; expected at most {most}, with a spacing of at least {} m, or a \
+                 box of other units",
+                rounded((count * volume / f64::from(most)).cbrt())
+            ),
         ));
     }
     let cells: f64 = (0..3).map(|axis| (side(axis) / radius).floor()).product();
