@@ -96,6 +96,7 @@ const COMMON: &[(&str, &str)] = &[
     ("rods.iterations", "3"),
     ("rods.newton", "2"),
     ("rods.damping", "4"),
+    ("hair.stiffness", "[[0, 4], [0.3, 1]]"),
 ];
 
 /// Keys that only hair outside the box of air feels in the model `particles`.
@@ -210,6 +211,7 @@ const UNSEEN: &[(&str, &str)] = &[
     ("picture", "drawn"),
     ("change", "later: tests/update.rs"),
     ("rods.sleep", "strands that rest"),
+    ("hair.clump", "followers: windswept-export/src/followers/tests.rs"),
     ("hair.file", "a file: windswept-scene/tests/groom_files.rs"),
     ("hair.scale", "a file"),
     ("hair.up", "a file"),

@@ -498,6 +498,304 @@ class Simulation:
         Raises:
             ValueError: names the argument that has not a row for each point or segment, or numbers beyond 1e18.
         """
+    def render(
+        self,
+        width: int | None = None,
+        height: int | None = None,
+        *,
+        camera: str | None = None,
+        eye: _Array | None = None,
+        target: _Array | None = None,
+        fov: float | None = None,
+    ) -> NDArray[np.uint8]:
+        """A picture of the hair now, as the command draws it: `(height, width, 4)` uint8, sRGB, opaque.
+
+        The scene's [camera] and [picture] say from where and what, unless these arguments do.
+
+            sim.render(eye=[0.3, 0.1, 0.2], target=[0, 0, 0])
+            sim.render(camera="side")
+
+        Args:
+            width, height: [px]; None: those of the scene's camera.
+            camera: name of one of the scene's cameras; None: the first.
+            eye, target: `(3,)` [m], place and aim of the camera; None: those of the scene's camera.
+            fov: vertical field of view [degrees]; None: that of the scene's camera.
+
+        Raises:
+            ValueError: there is no such camera, or an argument is no such value.
+            ExportError: there is no strand to draw, or the adapter cannot.
+        """
+    def save(self, path: _Path) -> None:
+        """Writes all strands to a groom file, in metres; the ending of its name says the format: .hair, .data, .npz, .npy,
+        .ply.
+
+        A .npz file keeps everything: `points`, `offsets`, `ids`, `radius`, `groups`, `root_uv`, `guides` and
+        `meters_per_unit`. A `UserWarning` says what of it another format cannot hold. A file that is there is replaced.
+
+        Raises:
+            SceneError: a format that cannot hold the strands; a file that cannot be written.
+        """
+    @property
+    def points(self) -> NDArray[np.float64]:
+        """Points of all strands, strand by strand, root to tip: `(points, 3)` float64 [m]."""
+    @property
+    def offsets(self) -> NDArray[np.int64]:
+        """First point of each strand, and the number of points: `(strands + 1,)` int64."""
+    @property
+    def ids(self) -> NDArray[np.int64]:
+        """Number of each strand in the file that it came from, or its index: `(strands,)` int64."""
+    @property
+    def guides(self) -> NDArray[np.bool_]:
+        """Which strands are simulated; the others follow them: `(strands,)` bool."""
+    def __len__(self) -> int: ...
+
+@final
+class Simulation:
+    """Hair and air of one scene on a GPU.
+
+        sim = ws.Simulation(ws.Scene.load("examples/scenes/quick.toml"))
+        sim.step(100)
+        sim.hair.positions          # (points, 3) float32, m
+        for frame in sim.frames(60):
+            frame.time, frame.hair.positions
+        sim.report()["max_stretch"]
+
+    SI, right-handed, Y up. Between steps, `set_body`, `set_roots`, `set_pins`, `set_wind`, `set_force`, `set_hair` and `set_air`
+    drive it; `run` calls back for that. `render` draws it, `VtkHdfWriter` writes it.
+
+    Args:
+        scene: what to simulate.
+        groom: strands of your own in place of the scene's [hair].
+        adapter: "software", or part of an adapter's name; None: WGPU_ADAPTER_NAME, else the best. Simulations on the same
+            adapter share its device; each may be stepped from a thread of its own.
+
+    A `UserWarning` for each of the state's warnings, which `report()["warnings"]` has too, says what `windswept check`
+    would: strands of a file that are left out or do not hang as given, hair inside bodies, a step that is too long for
+    the wind.
+
+    Raises:
+        SceneError: the scene's initial state cannot be made.
+        GpuError: there is no such adapter, or it has too little room.
+    """
+    def __new__(cls, scene: Scene, groom: Groom | None = None, adapter: str | None = None) -> Self: ...
+    def step(self, n: int = 1) -> None:
+        """Runs n steps of dt. Ctrl-C stops between steps.
+
+        Raises:
+            RunError: names what ended the run; the state is that of the last good step.
+        """
+    def run(
+        self, duration: float, callback: Callable[[Simulation], object] | None = None, *, every: int = 1
+    ) -> None:
+        """Runs for a time, in whole steps.
+
+        Args:
+            duration: [s], rounded to steps.
+            callback: called with the simulation after every `every` steps, e.g. to set roots or wind for the next; the run
+                ends early if it returns False.
+            every: steps between two calls.
+
+        Raises:
+            RunError: as `step`; and what the callback raises.
+        """
+    def frames(self, n: int | None = None) -> Frames:
+        """The next n frames of the scene's frame rate, stepping as they are asked for; None: all that its duration has
+        left.
+
+        Frame k is the state after step round(k / (frame_rate dt)). `len()` of it is n: `for frame in
+        tqdm(sim.frames(240))`.
+        """
+    def frame(self) -> Frame:
+        """The state now, with the scalar of the air that the scene's `picture.air` names."""
+    @property
+    def time(self) -> float:
+        """Time since the start [s]."""
+    @property
+    def steps(self) -> int:
+        """Steps since the start."""
+    @property
+    def dt(self) -> float:
+        """The time step [s], `time.step`."""
+    @property
+    def scene(self) -> Scene:
+        """The scene as it runs: without its [hair] where a groom replaced it, with the wind that `set_wind` set. A
+        copy: `update` takes a changed one.
+        """
+    def recorded(self) -> Scene:
+        """The scene that the simulation began with, with each `update` since as a `Change`: a run of it goes the same way."""
+    @property
+    def adapter(self) -> str:
+        """The adapter that runs it: name, backend, driver, kind."""
+    @property
+    def hair(self) -> HairState:
+        """The strands now."""
+    @property
+    def air(self) -> AirState:
+        """The air particles now."""
+    @property
+    def followers(self) -> Followers:
+        """All hairs that the strands stand for, now: those of the groom, or of the scene's groom file, where it has more
+        than are simulated, or fibres_per_strand to each strand. The strands are among them.
+
+        Raises:
+            ExportError: a groom file that cannot be read any more.
+        """
+    def report(self) -> Report:
+        """The report of the run so far: the command's report.json as a dict. Values that were not measured are missing."""
+    def keep_trace(self) -> None:
+        """Keeps from now on when each pass of a timed step began and ended on the GPU, for `write_trace`."""
+    def write_trace(self, path: _Path) -> None:
+        """Writes what was kept since `keep_trace` as a trace in Chrome's format, for chrome://tracing or Perfetto: a bar
+        for each run of a pass. About one step in eight is timed, from the second on; none where the adapter has no
+        timestamps.
+
+        Raises:
+            OSError: the file cannot be written.
+        """
+    def spectrum(self, scales: _Array) -> NDArray[np.float64]:
+        """Energy of the air's eddies now, by their size: the mean of ½ |û|² over the air, about the mean wind.
+
+        û is `ops.band_velocity` of the scene's filter. A scale s stands for waves of about 4.44 s.
+
+        Args:
+            scales: s of each band, `(n,)` [m].
+
+        Returns:
+            `(n,)` float64 [m²/s²]; empty without air particles.
+
+        Raises:
+            ValueError: a scale is not above 0, or too small for a grid on this adapter.
+        """
+    def body_impulses(self) -> NDArray[np.float64]:
+        """Impulse that the air has given each body so far, by its pressure and by friction, in the order of the scene:
+        `(bodies, 3)` float64 [kg m/s]; no rows without air particles. The change over a step, divided by it, is the
+        force on the body.
+        """
+    def set_body(
+        self,
+        name: str,
+        translation: _Array,
+        rotation: _Array | None = None,
+        *,
+        velocity: _Array | None = None,
+        angular_velocity: _Array | None = None,
+    ) -> None:
+        """Moves a body of the scene, in place of its keyframes: at the end of the next step it has this pose, and keeps it
+        until it is moved again. Hair on the body goes with it.
+
+        Args:
+            name: of the body.
+            translation: `(3,)` [m], at most 1e18, from where the scene has the body without a motion.
+            rotation: quaternion x, y, z, w of a length above 1e-6, about the body's centre, a mesh's the origin of its file;
+                None: none.
+            velocity: `(3,)` [m/s]; with it the body jumps there instead of coming evenly from where it is.
+            angular_velocity: `(3,)` [rad/s], as `velocity`.
+
+        Raises:
+            ValueError: there is no such body, or names the argument that does not fit.
+        """
+    def set_roots(self, positions: _Array, frames: _Array | None = None) -> None:
+        """Where the root of each strand goes in the next step, and stays.
+
+        Args:
+            positions: `(strands, 3)` [m].
+            frames: `(strands, 4)` quaternions x, y, z, w of the clamps; None: as they are.
+
+        A root that jumps farther than its strand is long takes the strand along as it is, at rest.
+
+        Raises:
+            ValueError: names the argument that does not fit; or the scene's hair.motion moves the roots.
+        """
+    def set_pins(self, points: _Array, places: _Array) -> None:
+        """Pins points of hair to places, in place of all pins before. Each goes there within the next step, and stays.
+
+        Args:
+            points: `(n,)` rows of `frame().hair.positions`.
+            places: `(n, 3)` [m].
+
+        A pinned point is where its pin is; of several pins on a strand, those nearer to the root give by less than 0.1
+        mm. Empty arrays release all points; tips that the scene holds go back to where it has them.
+
+        Raises:
+            ValueError: names the argument that does not fit: a point that does not exist, is given twice, or is a root that is held; or
+                rods.solver is gauss-seidel, or hair.motion moves a tip.
+        """
+    def set_wind(self, wind: _Array) -> None:
+        """The mean wind from the next step on, in place of the scene's wind, ramp and gusts. All air takes the change
+        alike in that step; the inflow's eddies stay.
+
+        Args:
+            wind: `(3,)` [m/s].
+
+        Raises:
+            ValueError: it is not three finite numbers, it is above 1e4 m/s, or the scene has no [air].
+        """
+    def update(self, scene: Scene | None = None, /, **changes: Any) -> None:
+        """Goes on with another scene, or with other values under dotted keys, from the next step on; the state stays.
+
+            sim.update(**{"turbulence.scale": 0.012, "gravity": [0, -3, 0]})
+            sim.update(scene)
+
+        Wind, gusts, fields, bands, viscosity, gravity, damping, stiffness and radius of fibres, motions and the camera
+        may change; strands, points, bodies, the box of air, the step, model and solvers may not. With `sim.scene` as it
+        is now the values are those of a new simulation. Roots, pins and a force that were set stay, and so does a wind
+        that was set, unless the scene's wind changes.
+
+        Changes go on top of a scene that is given. Buffers on the device are made anew, strands that sleep wake, and new
+        warnings are `UserWarning`s.
+
+        Raises:
+            SceneError: a fault of the scene, or the key of a value that a simulation keeps.
+        """
+    def set_force(
+        self,
+        hair: _Array | None = None,
+        air: _Array | None = None,
+        *,
+        callback: Callable[[Frame], _Array | tuple[_Array | None, _Array | None] | None] | None = None,
+    ) -> None:
+        """A force of your own, from the next step on until another one is set: accelerations of hair points and air
+        particles. Without arguments nothing is pushed any more.
+
+            sim.set_force(hair=np.broadcast_to(np.float32([0, 9.81, 0]), sim.hair.positions.shape))
+            sim.set_force(callback=lambda frame: 50 * (center - frame.hair.positions))
+
+        Held points ignore it, and sleeping strands wake when it changes. The air does not lose what hair gets from it,
+        and pressure takes out of it what would compress the air. Checkpoints and pickles hold the accelerations that
+        were set last, and not a callback.
+
+        Args:
+            hair: `(points, 3)` [m/s²]; None: hair is not pushed.
+            air: `(n, 3)` [m/s²], in the order of `sim.air.positions`; None: air is not pushed.
+            callback: called with the frame as it is before each step, in place of arrays; it returns the array of hair, or a tuple
+                (hair, air) in which either may be None. An exception of it ends the stepping there.
+
+        Raises:
+            ValueError: names the argument that has not a row for each point or particle, or numbers beyond 1e18.
+        """
+    def set_air(self, positions: _Array | None = None, velocities: _Array | None = None) -> None:
+        """Puts air somewhere else; what is not given stays.
+
+        Args:
+            positions: `(n, 3)` [m], wrapped into the box.
+            velocities: `(n, 3)` [m/s].
+
+        Raises:
+            ValueError: names the argument that has not a row for each particle, or numbers beyond 1e18.
+        """
+    def set_hair(
+        self, positions: _Array | None = None, velocities: _Array | None = None, orientations: _Array | None = None
+    ) -> None:
+        """Puts hair somewhere else; what is not given stays, and so do the places of held points.
+
+        Args:
+            positions: `(points, 3)` [m].
+            velocities: `(points, 3)` [m/s].
+            orientations: `(segments, 4)` quaternions x, y, z, w.
+
+        Raises:
+            ValueError: names the argument that has not a row for each point or segment, or numbers beyond 1e18.
+        """
     def render(self, width: int | None = None, height: int | None = None) -> NDArray[np.uint8]:
         """A picture of the hair now, as the command draws it: `(height, width, 4)` uint8, sRGB, opaque.
 
