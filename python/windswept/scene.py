@@ -20,6 +20,7 @@ __all__ = [
     "Cap",
     "Capsule",
     "Change",
+    "Cuboid",
     "Curl",
     "DirectFilter",
     "Disc",
@@ -34,6 +35,7 @@ __all__ = [
     "Line",
     "MeshFile",
     "Picture",
+    "Plane",
     "Rods",
     "Scalp",
     "Scene",
@@ -288,7 +290,7 @@ class Sphere(Table):
     _word = ("shape", "sphere")
 
     center: Key[NDArray[float64], ArrayLike] = key(kind="vector")
-    """Centre of the sphere. Three numbers, [x, y, z] [m]. Needed."""
+    """Centre of the sphere or of the box. Three numbers, [x, y, z] [m]. Needed."""
     radius: Key[float, float] = key()
     """Radius of the sphere, or about the capsule's axis. A length in metres greater than 0. Needed."""
 
@@ -305,6 +307,36 @@ class Capsule(Table):
     """Start of the capsule's axis. Three numbers, [x, y, z] [m]. Needed."""
     end: Key[NDArray[float64], ArrayLike] = key(kind="vector")
     """End of the capsule's axis. Three numbers, [x, y, z] [m]. Needed."""
+
+
+class Cuboid(Table):
+    """All points of a box with sharp edges. `body.shape = "box"`."""
+
+    _path = "body"
+    _word = ("shape", "box")
+
+    center: Key[NDArray[float64], ArrayLike] = key(kind="vector")
+    """Centre of the sphere or of the box. Three numbers, [x, y, z] [m]. Needed."""
+    size: Key[NDArray[float64], ArrayLike] = key(kind="vector")
+    """Sides of the box along its own axes. Three numbers, [x, y, z] [m]. Needed."""
+    rotation: Key[NDArray[float64], ArrayLike] = key(default=[0.0, 0.0, 0.0], kind="vector")
+    """Rotation vector of the box about its centre, axis times angle. Three numbers, [x, y, z] [rad]. Default [0.0, 0.0,
+    0.0].
+    """
+
+
+class Plane(Table):
+    """All points behind a plane. `body.shape = "plane"`."""
+
+    _path = "body"
+    _word = ("shape", "plane")
+
+    point: Key[NDArray[float64], ArrayLike] = key(kind="vector")
+    """A point of the plane, about which it turns, and about which a square of 2 m of it is drawn. Three numbers, [x, y,
+    z] [m]. Needed.
+    """
+    normal: Key[NDArray[float64], ArrayLike] = key(kind="vector")
+    """Normal of the plane, away from the body. Three numbers, [x, y, z], not all 0. Needed."""
 
 
 class MeshFile(Table):
@@ -324,8 +356,8 @@ class MeshFile(Table):
     "y", "z", "x", "yzx", "zxy", "xzy", "yxz", "zyx". Default "y".
     """
     resolution: Key[float | None, float | None] = key(default=None)
-    """Spacing of the grid of distances from the mesh. A length in metres greater than 0. Without it: 0.002, or less:
-    128 cells along its longest side.
+    """Spacing of the grid of distances from the mesh. A length in metres greater than 0. Without it: 0.002; less for a
+    small mesh: 128 cells along its longest side; more for one whose grid would be too large.
     """
 
 
@@ -336,12 +368,12 @@ class Body(Table):
 
     name: Key[str, str] = key(default="body")
     """Name of the body, for dotted keys and errors. A string. Default "body"."""
-    shape: Key[Literal["sphere", "capsule", "mesh"], Literal["sphere", "capsule", "mesh"] | Sphere | Capsule | MeshFile] = key(default="sphere", of=(Sphere, Capsule, MeshFile), kind="word")
-    """Shape of the body: with center and radius, with start, end and radius, or with file. One of "sphere", "capsule",
-    "mesh". Default "sphere".
+    shape: Key[Literal["sphere", "capsule", "box", "plane", "mesh"], Literal["sphere", "capsule", "box", "plane", "mesh"] | Sphere | Capsule | Cuboid | Plane | MeshFile] = key(default="sphere", of=(Sphere, Capsule, Cuboid, Plane, MeshFile), kind="word")
+    """Shape of the body: with center and radius, with start, end and radius, with center and size, with point and
+    normal, or with file. One of "sphere", "capsule", "box", "plane", "mesh". Default "sphere".
     """
     center: Key[NDArray[float64] | None, ArrayLike | None] = key(default=None, kind="vector")
-    """Centre of the sphere. Three numbers, [x, y, z] [m]. Without it: needed with shape sphere."""
+    """Centre of the sphere or of the box. Three numbers, [x, y, z] [m]. Without it: needed with shape sphere."""
     radius: Key[float | None, float | None] = key(default=None)
     """Radius of the sphere, or about the capsule's axis. A length in metres greater than 0. Without it: needed with
     shape sphere.
@@ -350,6 +382,20 @@ class Body(Table):
     """Start of the capsule's axis. Three numbers, [x, y, z] [m]. Without it: needed with shape capsule."""
     end: Key[NDArray[float64] | None, ArrayLike | None] = key(default=None, kind="vector")
     """End of the capsule's axis. Three numbers, [x, y, z] [m]. Without it: needed with shape capsule."""
+    size: Key[NDArray[float64] | None, ArrayLike | None] = key(default=None, kind="vector")
+    """Sides of the box along its own axes. Three numbers, [x, y, z] [m]. Without it: needed with shape box."""
+    rotation: Key[NDArray[float64], ArrayLike] = key(default=[0.0, 0.0, 0.0], kind="vector")
+    """Rotation vector of the box about its centre, axis times angle. Three numbers, [x, y, z] [rad]. Default [0.0, 0.0,
+    0.0].
+    """
+    point: Key[NDArray[float64] | None, ArrayLike | None] = key(default=None, kind="vector")
+    """A point of the plane, about which it turns, and about which a square of 2 m of it is drawn. Three numbers, [x, y,
+    z] [m]. Without it: needed with shape plane.
+    """
+    normal: Key[NDArray[float64] | None, ArrayLike | None] = key(default=None, kind="vector")
+    """Normal of the plane, away from the body. Three numbers, [x, y, z], not all 0. Without it: needed with shape
+    plane.
+    """
     file: Key[str | None, str | None] = key(default=None)
     """Mesh file whose triangles enclose the body (.obj, .ply, .glb). A path relative to the scene's folder. Without it:
     needed with shape mesh.
@@ -363,8 +409,8 @@ class Body(Table):
     "y", "z", "x", "yzx", "zxy", "xzy", "yxz", "zyx". Default "y".
     """
     resolution: Key[float | None, float | None] = key(default=None)
-    """Spacing of the grid of distances from the mesh. A length in metres greater than 0. Without it: 0.002, or less:
-    128 cells along its longest side.
+    """Spacing of the grid of distances from the mesh. A length in metres greater than 0. Without it: 0.002; less for a
+    small mesh: 128 cells along its longest side; more for one whose grid would be too large.
     """
     friction: Key[float, float] = key(default=0.3)
     """Coulomb's coefficient of friction of hair on the body. A number of at least 0. Default 0.3."""
