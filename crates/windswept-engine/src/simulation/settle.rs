@@ -12,17 +12,25 @@ use crate::{
 impl Simulation {
     /// Lets hair hang and lie for `time.settle` in still air, with roots and bodies where they are at the start. The state
     /// has its places and directions then, at rest; its rest shape stays.
-    pub(super) fn settle(gpu: &Gpu, scene: &CheckedScene, initial: &mut InitialState) -> Result<(), Error> {
+    pub(super) fn settle(
+        gpu: &Gpu,
+        scene: &CheckedScene,
+        initial: &mut InitialState,
+        stop: impl FnMut() -> bool,
+    ) -> Result<(), Error> {
         let steps = (scene.time.settle / scene.time.step).round() as u64;
         if steps == 0 || initial.hair.is_empty() {
             return Ok(());
         }
         let alone = InitialState { hair: initial.hair.clone(), origin: initial.origin, ..InitialState::default() };
         let mut settling = Self::build(gpu, &in_still_air(scene), alone, Origin::Validated)?;
-        settling.step(steps).map_err(|error| match error {
+        settling.advance(steps, |_| false, stop).map_err(|error| match error {
             RunError::Gpu(error) => Error::Gpu(error),
             error => Error::Scene(scene.scene().fault("time.settle", &format!("hair does not settle: {error}"))),
         })?;
+        if settling.steps < steps {
+            return Err(Error::Stopped);
+        }
         let s = settling.engine.state();
         let [places, frames] = settling.engine.read_vec4([&s.position, &s.orientation])?;
         let hair = &mut initial.hair;
