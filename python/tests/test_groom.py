@@ -129,3 +129,16 @@ def test_faults_name_their_argument(name, value):
     with pytest.raises(ValueError, match=rf"^(groom\.)?{name}:") as caught:
         ws.Groom(**arguments)
     assert getattr(caught.value, "key", f"groom.{name}") == f"groom.{name}"
+
+
+@pytest.mark.parametrize("fill", [0.0, np.nan, None])
+def test_padding_of_unlike_strands_is_cut_off(fill):
+    points = np.zeros((3, 8, 3))
+    for s, count in enumerate([8, 5, 2]):
+        points[s, :, 0] = 0.1 + s
+        points[s, :, 1] = -0.01 * np.minimum(np.arange(8), count - 1)
+        points[s, count:] = points[s, count:] if fill is None else fill
+    with pytest.warns(UserWarning, match="2 of the 3 strands had padding behind their tips, which is cut off"):
+        groom = ws.Groom(points)
+    assert groom.offsets.tolist() == [0, 8, 13, 15]
+    assert np.array_equal(groom.points[8:13], points[1, :5])

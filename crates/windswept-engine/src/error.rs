@@ -243,6 +243,9 @@ pub enum CheckpointError {
 #[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
+    /// The caller, who did not wait for hair to settle.
+    #[error("stopped while hair settles")]
+    Stopped,
     /// The scene.
     #[error(transparent)]
     Scene(#[from] SceneError),
@@ -255,7 +258,7 @@ impl From<Error> for RunError {
     fn from(error: Error) -> Self {
         match error {
             Error::Gpu(error) => Self::Gpu(error),
-            Error::Scene(error) => Self::Input(error.to_string()),
+            error => Self::Input(error.to_string()),
         }
     }
 }

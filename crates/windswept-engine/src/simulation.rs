@@ -134,10 +134,28 @@ impl Simulation {
     /// [`Error::Scene`] when the scene's initial state cannot be made, [`Error::Gpu`] when it does not fit the adapter:
     /// before it is made, where the scene's numbers of strands, points and particles say so.
     pub fn new(gpu: &Gpu, scene: &impl AsChecked) -> Result<Self, Error> {
+        Self::new_until(gpu, scene, None, || false)
+    }
+
+    /// A simulation at t = 0, of the caller's own strands where there are some. `stop` is asked again and again while
+    /// hair settles, as that can take minutes, and ends it.
+    ///
+    /// # Errors
+    /// As [`Self::new`] and [`Self::with_groom`]; [`Error::Stopped`] where `stop` says so.
+    pub fn new_until(
+        gpu: &Gpu,
+        scene: &impl AsChecked,
+        groom: Option<&Groom>,
+        stop: impl FnMut() -> bool,
+    ) -> Result<Self, Error> {
         let scene = &*scene.as_checked()?;
-        check_room(gpu, scene, None)?;
-        let initial = InitialState::new(scene)?;
-        Self::started(gpu, scene, initial, Origin::Validated)
+        check_room(gpu, scene, groom)?;
+        let Some(groom) = groom else {
+            return Self::started(gpu, scene, InitialState::new(scene)?, Origin::Validated, stop);
+        };
+        let initial = InitialState::with_groom(scene, groom)?;
+        let own = Self::started(gpu, &without_hair(scene), initial, Origin::Validated, stop)?;
+        Ok(Self { own_hair: true, ..own })
     }
 
     /// A simulation of the caller's own strands, which replace the scene's `[hair]`.
@@ -145,11 +163,7 @@ impl Simulation {
     /// # Errors
     /// [`Error::Scene`] names what the groom got wrong, [`Error::Gpu`] when it does not fit the adapter.
     pub fn with_groom(gpu: &Gpu, scene: &impl AsChecked, groom: &Groom) -> Result<Self, Error> {
-        let scene = &*scene.as_checked()?;
-        check_room(gpu, scene, Some(groom))?;
-        let initial = InitialState::with_groom(scene, groom)?;
-        let own = Self::started(gpu, &without_hair(scene), initial, Origin::Validated)?;
-        Ok(Self { own_hair: true, ..own })
+        Self::new_until(gpu, scene, Some(groom), || false)
     }
 
     /// A simulation that starts from the caller's own arrays; the scene's `[hair]`, `time.settle` and lattice are not looked at. Hair
@@ -159,14 +173,20 @@ impl Simulation {
     /// # Errors
     /// [`Error::Scene`] when the arrays do not belong together, [`Error::Gpu`] when they do not fit the adapter.
     pub fn with_state(gpu: &Gpu, scene: &impl AsChecked, initial: InitialState) -> Result<Self, Error> {
-        let own = Self::started(gpu, &*scene.as_checked()?, initial, Origin::Untrusted)?;
+        let own = Self::started(gpu, &*scene.as_checked()?, initial, Origin::Untrusted, || false)?;
         Ok(Self { own_hair: true, ..own })
     }
 
     /// A simulation whose hair has settled, and whose air beside bodies has the velocity that it starts with.
-    fn started(gpu: &Gpu, scene: &CheckedScene, mut initial: InitialState, origin: Origin) -> Result<Self, Error> {
+    fn started(
+        gpu: &Gpu,
+        scene: &CheckedScene,
+        mut initial: InitialState,
+        origin: Origin,
+        stop: impl FnMut() -> bool,
+    ) -> Result<Self, Error> {
         if origin == Origin::Validated {
-            Self::settle(gpu, scene, &mut initial)?;
+            Self::settle(gpu, scene, &mut initial, stop)?;
         }
         let mut simulation = Self::build(gpu, scene, initial, origin)?;
         if simulation.plan.conditions.walls.runs {

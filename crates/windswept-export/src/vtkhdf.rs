@@ -30,8 +30,8 @@
 //!
 //! Everything but `Values` has its final size before frame 0, and its place in the file. The file's description
 //! changes with a frame in two numbers only, `NSteps` and the length of `Values`, which are written at once, after the
-//! frame. So a killed run leaves a file that opens and shows the frames it finished. While a run goes on HDF5 locks its
-//! file; a copy can be opened.
+//! frame. So a killed run leaves a file that opens and shows the frames it finished, and so does one that goes on: the
+//! file is written without a lock.
 //!
 //! Source: VTK's "VTKHDF format specification", version 2.0.
 

@@ -9,7 +9,7 @@ mod python;
 use std::path::Path;
 
 use windswept_engine::Frame;
-use windswept_export::Kind;
+use windswept_export::{Kind, VtkHdfWriter};
 
 use film::{PROVENANCE, dump, film, write};
 
@@ -22,6 +22,23 @@ fn vtk_and_h5py_read_every_frame() {
         let folder = tempfile::tempdir().unwrap();
         write(&folder.path().join("film.vtkhdf"), kind, &film(5), announced);
         read_back(kind, folder.path(), &film(5));
+    }
+}
+
+/// As other programs see a film while its writer goes on: the frames that are finished, each time that it is opened.
+#[test]
+fn vtk_and_h5py_read_a_film_that_grows() {
+    for kind in [Kind::Hair, Kind::Air] {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("film.vtkhdf");
+        let mut writer = VtkHdfWriter::create(&path, kind, &film(1)[0], 9, &PROVENANCE).unwrap();
+        for (k, frame) in film(4).iter().enumerate() {
+            writer.append(frame).unwrap();
+            // Of a single step VTK tells no time.
+            if k > 0 {
+                read_back(kind, folder.path(), &film(k + 1));
+            }
+        }
     }
 }
 

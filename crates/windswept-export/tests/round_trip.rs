@@ -88,7 +88,7 @@ fn size_is_known_up_front() {
     }
 }
 
-/// A copy, as the writer's lock keeps others from opening the file itself.
+/// A copy, as one libhdf5 opens a file that it has open already only as it opened that: `readers.rs` has other programs.
 fn path_copy(path: &std::path::Path) -> std::path::PathBuf {
     let copy = path.with_extension("copy");
     std::fs::copy(path, &copy).unwrap();

@@ -61,20 +61,38 @@ pub(crate) fn doubles<'py>(
     Ok(plain.cast_into::<PyArrayDyn<f64>>()?)
 }
 
-/// Result of `copy` on the values of an array, and the array's shape.
+/// Result of `copy` on the values of an array, which must be finite, and the array's shape.
 fn copied<T>(
     name: &str,
     value: &Bound<'_, PyAny>,
     numbers: Numbers,
     copy: impl FnOnce(&[f64]) -> T,
 ) -> PyResult<(T, Vec<usize>)> {
+    let (copied, shape) = unchecked(name, value, numbers, |values, shape| -> PyResult<T> {
+        finite(name, values, shape)?;
+        Ok(copy(values))
+    })?;
+    Ok((copied?, shape))
+}
+
+/// Result of `copy` on the values of an array and its shape, and that shape.
+pub(crate) fn unchecked<T>(
+    name: &str,
+    value: &Bound<'_, PyAny>,
+    numbers: Numbers,
+    copy: impl FnOnce(&[f64], &[usize]) -> T,
+) -> PyResult<(T, Vec<usize>)> {
     let array = doubles(name, value, numbers)?;
     let shape = array.shape().to_vec();
     let array = array.try_readonly().map_err(|e| of_value(name, e))?;
-    let values = array.as_slice()?;
+    Ok((copy(array.as_slice()?, &shape), shape))
+}
+
+/// An error that names the first of these values of an array that is not finite.
+pub(crate) fn finite(name: &str, values: &[f64], shape: &[usize]) -> PyResult<()> {
     match values.iter().position(|x| !x.is_finite()) {
-        Some(i) => Err(of_value(name, format!("expected finite numbers, found {} in {}", values[i], place(i, &shape)))),
-        None => Ok((copy(values), shape)),
+        Some(i) => Err(of_value(name, format!("expected finite numbers, found {} in {}", values[i], place(i, shape)))),
+        None => Ok(()),
     }
 }
 

@@ -9,7 +9,7 @@ use windswept_scene::{
 };
 
 use crate::{
-    arrays::{Numbers, chunks, shown, strand_ids, values, whole},
+    arrays::{Numbers, chunks, finite, shown, strand_ids, unchecked, values, whole},
     errors::{of_value, scene_error},
     warn::warn,
     without_gil,
@@ -278,15 +278,20 @@ type Reduced<'py> = (Bound<'py, PyAny>, (&'static str, Bound<'py, PyBytes>));
 
 /// Points and offsets, from either way to say them.
 fn strands(points: &Bound<'_, PyAny>, offsets: Option<&Bound<'_, PyAny>>) -> PyResult<(Vec<[f64; 3]>, Vec<u32>)> {
-    let (numbers, shape) = values("points", points, Numbers::Floats)?;
+    let (numbers, shape) = unchecked("points", points, Numbers::Floats, |values, _| values.to_vec())?;
     let found = shown(&shape);
+    // Padding may be of not-a-numbers.
+    let check = |values: &[f64], shape: &[usize]| finite("points", values, shape);
     match (&shape[..], offsets) {
         (&[strands, n, 3], None) => {
             let offsets = (0..=strands).map(|s| u32::try_from(s * n));
             let offsets = offsets.collect::<Result<_, _>>().map_err(|_| of_value("points", "too many for 32 bits"))?;
             let curves = Curves { points: chunks(&numbers), offsets, ..Curves::default() };
             let (curves, padded) = curves.without_padding();
-            if padded > 0 {
+            if padded == 0 {
+                check(&numbers, &shape)?;
+            } else {
+                check(curves.points.as_flattened(), &[curves.points.len(), 3])?;
                 let words =
                     format!("{padded} of the {strands} strands had padding behind their tips, which is cut off");
                 warn(points.py(), [words])?;
@@ -294,6 +299,7 @@ fn strands(points: &Bound<'_, PyAny>, offsets: Option<&Bound<'_, PyAny>>) -> PyR
             Ok((curves.points, curves.offsets))
         }
         (&[_, 3], Some(offsets)) => {
+            check(&numbers, &shape)?;
             let (offsets, shape) = values("offsets", offsets, Numbers::Whole)?;
             if shape.len() != 1 {
                 return Err(of_value("offsets", format!("expected shape (strands + 1,), found {}", shown(&shape))));

@@ -101,10 +101,17 @@ impl Simulation {
     fn new(py: Python<'_>, scene: &Bound<'_, PyAny>, groom: Option<&Groom>, adapter: Option<&str>) -> PyResult<Self> {
         let scene = checked(scene)?;
         let gpu = gpu::device(py, adapter)?;
-        let made = without_gil(py, || match groom {
-            Some(groom) => windswept::Simulation::with_groom(&gpu, &scene.inner, &groom.inner),
-            None => windswept::Simulation::new(&gpu, &scene.inner),
+        let mut interrupted = None;
+        let made = without_gil(py, || {
+            let stop = || {
+                interrupted = Python::attach(|py| py.check_signals()).err();
+                interrupted.is_some()
+            };
+            windswept::Simulation::new_until(&gpu, &scene.inner, groom.map(|groom| &groom.inner), stop)
         })?;
+        if let Some(interrupt) = interrupted {
+            return Err(interrupt);
+        }
         let made = made.map_err(|error| of_start(py, &error))?;
         warn(py, &made.initial().warnings)?;
         Ok(Self::of(made))

@@ -17,7 +17,12 @@ const SMALLEST: f64 = 1e-9;
 impl Simulation {
     /// Lets hair hang and lie for `time.settle` in still air, with roots and bodies where they are at the start. The state
     /// has its places and directions then, at rest; its rest shape stays.
-    pub(super) fn settle(gpu: &Gpu, scene: &CheckedScene, initial: &mut InitialState) -> Result<(), Error> {
+    pub(super) fn settle(
+        gpu: &Gpu,
+        scene: &CheckedScene,
+        initial: &mut InitialState,
+        stop: impl FnMut() -> bool,
+    ) -> Result<(), Error> {
         let steps = (scene.time.settle / scene.time.step).round() as u64;
         if steps == 0 || initial.hair.is_empty() {
             return Ok(());
@@ -25,10 +30,13 @@ impl Simulation {
         let (hair, pins, origin) = (initial.hair.clone(), initial.pins.clone(), initial.origin);
         let alone = InitialState { hair, pins, origin, ..InitialState::default() };
         let mut settling = Self::build(gpu, &in_still_air(scene), alone, Origin::Validated)?;
-        settling.gather(scene, steps).map_err(|error| match error {
+        settling.gather(scene, steps, stop).map_err(|error| match error {
             RunError::Gpu(error) => Error::Gpu(error),
             error => Error::Scene(scene.scene().fault("time.settle", &format!("hair does not settle: {error}"))),
         })?;
+        if settling.steps < steps {
+            return Err(Error::Stopped);
+        }
         let s = settling.engine.state();
         let [places, frames] = settling.engine.read_vec4([&s.position, &s.orientation])?;
         let hair = &mut initial.hair;
@@ -41,8 +49,9 @@ impl Simulation {
         Ok(())
     }
 
-    /// Runs so many steps. In the first of them pins go about their bodies from where strands start to where they are held.
-    fn gather(&mut self, scene: &CheckedScene, steps: u64) -> Result<(), RunError> {
+    /// Runs so many steps, or fewer where `stop` says so. In the first of them pins go about their bodies from where strands
+    /// start to where they are held.
+    fn gather(&mut self, scene: &CheckedScene, steps: u64, mut stop: impl FnMut() -> bool) -> Result<(), RunError> {
         let pins = self.initial.pins.clone();
         let way = |pin: &Pinned| {
             let (from, to) = (self.initial.hair.positions[pin.point as usize], pin.at_start(scene));
@@ -58,12 +67,15 @@ impl Simulation {
             let part = k as f64 / gathering as f64;
             let places: Vec<_> = ways.iter().map(|&(center, from, to)| around(center, from, to, part)).collect();
             self.set_pins(&points, &places)?;
-            self.step(1)?;
+            self.advance(1, |_| false, &mut stop)?;
+            if self.steps < k {
+                return Ok(());
+            }
         }
         if gathering > 0 {
             self.set_pins(&[], &[])?;
         }
-        self.step(steps - gathering)
+        self.advance(steps - gathering, |_| false, stop)
     }
 }
 
@@ -76,7 +88,7 @@ fn in_still_air(scene: &CheckedScene) -> CheckedScene {
             values.interaction.model = Model::Drag;
         }
         if let Some(air) = &mut values.air {
-            (air.wind, air.inflow, air.bounds) = ([0.0; 3], None, None);
+            (air.wind, air.inflow, air.bounds, air.follows) = ([0.0; 3], None, None, None);
             air.gust.clear();
         }
         values.turbulence.bands.clear();

@@ -61,7 +61,7 @@ impl Simulation {
         let gpu = self.gpu();
         let initial = if self.own_hair { self.initial.clone() } else { InitialState::new(scene)? };
         if self.last.step == 0 && !self.was_set && !self.own_hair {
-            return Self::started(gpu, scene, initial, Origin::Validated);
+            return Self::started(gpu, scene, initial, Origin::Validated, || false);
         }
         let (air, origin) = (self.initial.air.clone(), self.initial.origin);
         let mut initial = InitialState { air, origin, ..initial };

@@ -12,8 +12,6 @@ use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 use std::sync::{Mutex, PoisonError};
 
-use fs4::{FileExt, TryLockError};
-
 /// Error: the fault of a file.
 pub(super) type Result<T> = std::result::Result<T, String>;
 
@@ -70,7 +68,7 @@ numbers! {
     f64: b"\x11\x20\x3f\0\x08\0\0\0\0\0\x40\0\x34\x0b\0\x34\xff\x03\0\0",
 }
 
-/// An HDF5 file, kept from writers as long as it is open.
+/// An HDF5 file, of which what is there when it is opened stays as it is.
 #[derive(Debug)]
 pub(super) struct Hdf5 {
     file: Mutex<File>,
@@ -105,10 +103,6 @@ type Messages = Vec<(u64, Vec<u8>)>;
 impl Hdf5 {
     pub(super) fn open(path: &Path) -> Result<Self> {
         let file = File::open(path).map_err(|e| e.to_string())?;
-        // A file system without locks keeps no writer out.
-        if let Err(TryLockError::WouldBlock) = FileExt::try_lock_shared(&file) {
-            return Err("another run is writing here".to_owned());
-        }
         let end = file.metadata().map_err(|e| e.to_string())?.len();
         let mut opened = Self { file: Mutex::new(file), end, root: 0 };
         let block = opened.bytes(0, SUPERBLOCK)?;

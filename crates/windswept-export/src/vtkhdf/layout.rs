@@ -1,11 +1,15 @@
 //! The datasets of a file, and a frame's rows in them.
 
+use std::ffi::CString;
 use std::path::Path;
 use std::str::FromStr;
 
 use hdf5::dataset::{AllocTime, FillTime};
+use hdf5::file::FileAccess;
 use hdf5::types::{FixedAscii, VarLenUnicode};
-use hdf5::{Attribute, Dataset, Extents, File, FileBuilder, Group, H5Type, Result};
+use hdf5::{Attribute, Dataset, Extents, File, Group, H5Type, Result};
+use hdf5_sys::h5f::{H5F_ACC_RDWR, H5F_ACC_TRUNC, H5Fcreate, H5Fopen};
+use hdf5_sys::h5p::{H5P_DEFAULT, H5Pset_file_locking};
 
 use super::Kind;
 use crate::Provenance;
@@ -76,7 +80,7 @@ impl Layout {
         frames: usize,
         provenance: &Provenance<'_>,
     ) -> Result<Self> {
-        let file = options().create(path)?;
+        let file = opened(path, true)?;
         let root = file.create_group("VTKHDF")?;
         let steps_group = root.create_group("Steps")?;
         let finished = steps_group.new_attr::<i64>().create("NSteps")?;
@@ -122,7 +126,7 @@ impl Layout {
 
     /// Opens a file that [`Layout::create`] made of the same contents for so many frames.
     pub(super) fn open(path: &Path, kind: Kind, contents: &Contents<'_>, frames: usize) -> Result<Self> {
-        let file = options().open_rw(path)?;
+        let file = opened(path, false)?;
         let root = file.group("VTKHDF")?;
         let steps = root.group("Steps")?;
         let (finished, times) = (steps.attr("NSteps")?, steps.dataset("Values")?);
@@ -218,14 +222,26 @@ impl Layout {
     }
 }
 
-/// How every file is opened.
-fn options() -> FileBuilder {
-    let mut options = File::with_options();
+/// Makes a file anew, or opens one, without a lock, so that others may read a film while it grows: its description
+/// changes in one write, after the frame. The lock of the folder keeps other runs away.
+#[allow(unsafe_code)]
+fn opened(path: &Path, new: bool) -> Result<File> {
     // The earliest format has no mark for "open for writing", which would make readers refuse a killed run's file.
     // Without the sieve buffer a number is written as 8 bytes, not as the 64 kB around it; without a cache of chunks a
     // row of Values as itself.
-    options.with_fapl(|access| access.libver_earliest().sieve_buf_size(0).chunk_cache(0, 0, 1.0));
-    options
+    let access = FileAccess::build().libver_earliest().sieve_buf_size(0).chunk_cache(0, 0, 1.0).finish()?;
+    let name = path.to_str().ok_or("its path is not UTF-8")?;
+    let name = CString::new(name).map_err(|_| "its path has a byte 0")?;
+    // SAFETY: the list and the name live through the calls, which no other thread's calls of libhdf5 come between, and
+    // the id is that of a file that nobody else has.
+    hdf5::sync::sync(|| unsafe {
+        hdf5::h5check(H5Pset_file_locking(access.id(), 0, 1))?;
+        let id = match new {
+            true => H5Fcreate(name.as_ptr(), H5F_ACC_TRUNC, H5P_DEFAULT, access.id()),
+            false => H5Fopen(name.as_ptr(), H5F_ACC_RDWR, access.id()),
+        };
+        hdf5::from_id(hdf5::h5check(id)?)
+    })
 }
 
 /// A file whose datasets are made, or are there.
