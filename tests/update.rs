@@ -63,7 +63,7 @@ fn changes() -> Vec<Change> {
             scene.bodies[0].motion = Motion::from(vec![keyframe(0.0, 0.0), keyframe(0.1, 0.02)]);
         }),
         ("force.strength", |scene| scene.forces[0].strength = Some(2.5)),
-        ("camera.fov", |scene| scene.camera.fov = 30.0),
+        ("camera.fov", |scene| scene.cameras = vec![Camera { fov: 30.0, ..Camera::default() }]),
     ]
 }
 

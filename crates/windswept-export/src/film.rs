@@ -29,18 +29,20 @@ pub struct Film<'a> {
 pub struct Scenery {
     /// Bodies; a frame has their poses, or else they are where the scene has them at its time.
     pub bodies: Vec<CheckedBody>,
-    /// Cameras.
-    pub cameras: Vec<View>,
+    /// Cameras, by their names.
+    pub cameras: Vec<(String, View)>,
 }
 
 impl Scenery {
-    /// The bodies and the camera of a scene, as pictures show them; `start` and `groom` are those of
+    /// The bodies and the cameras of a scene, as pictures show them; `start` and `groom` are those of
     /// [`Renderer::with_groom`](crate::Renderer::with_groom).
     ///
     /// # Errors
     /// [`ExportError::Picture`] as [`Renderer::with_groom`](crate::Renderer::with_groom).
     pub fn of(scene: &CheckedScene, start: &HairFrame, groom: Option<&Curves>) -> Result<Self, ExportError> {
-        Ok(Self { bodies: scene.bodies.clone(), cameras: vec![View::of(scene, start, groom)?] })
+        let names = scene.cameras.iter().map(|camera| camera.name.clone());
+        let cameras = names.zip(View::all(scene, start, groom)?).collect();
+        Ok(Self { bodies: scene.bodies.clone(), cameras })
     }
 }
 

@@ -40,7 +40,7 @@ fn scenery() -> Scenery {
         Body::capsule([0.1, 0.02, 0.0], [0.1, 0.12, 0.05], 0.03).named("left arm"),
         Body::sphere([0.0, 0.0, 0.3], 0.07).named("2nd"),
     ];
-    Scenery { bodies: scene.check().unwrap().bodies.clone(), cameras: vec![VIEW] }
+    Scenery { bodies: scene.check().unwrap().bodies.clone(), cameras: vec![("Hair".to_owned(), VIEW)] }
 }
 
 /// A frame with the bodies somewhere.

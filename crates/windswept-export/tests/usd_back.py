@@ -99,6 +99,8 @@ for body, (mesh, radius) in enumerate([(found["left arm"], 0.03), (found["2nd"],
 
 # The camera sees places of the world where the pictures have them.
 (camera,) = [UsdGeom.Camera(prim) for prim in film.GetChildren() if prim.IsA(UsdGeom.Camera)]
+if (camera.GetPrim().GetName(), camera.GetPrim().GetDisplayName()) != ("Hair_2", "Hair"):
+    sys.exit(f"the camera is called {camera.GetPrim().GetName()}")
 camera = camera.GetCamera(0.0)
 seen = dump("seen.f64", np.float64, -1, 5)
 clip = camera.frustum.ComputeViewMatrix() * camera.frustum.ComputeProjectionMatrix()

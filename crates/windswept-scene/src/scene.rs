@@ -87,8 +87,8 @@ table! {
         viscosity: Viscosity as CheckedViscosity = Table, "", Derived("its defaults");
         /// Cosserat rods.
         rods: Rods as CheckedRods = Table, "", Derived("its defaults");
-        /// Camera that pictures are taken with.
-        camera: Camera = Table, "", Derived("its defaults");
+        /// Cameras; several as `[[camera]]`, each with a name. A run's pictures are taken with the first.
+        cameras as "camera": Vec<Camera> = Tables, "", Derived("one that frames the hair");
         /// Contents of pictures.
         picture: Picture = Table, "", Derived("its defaults");
         /// Values that change while the scene runs; several as `[[change]]`.
@@ -449,7 +449,7 @@ impl Scene {
             turbulence: Turbulence::default(),
             viscosity: Viscosity::default(),
             rods: Rods::default(),
-            camera: Camera::default(),
+            cameras: Vec::new(),
             picture: Picture::default(),
             changes: Vec::new(),
             source: Source::default(),
@@ -480,6 +480,10 @@ impl Scene {
         names("hair", self.hair.iter().map(|hair| &hair.name).collect());
         names("body", self.bodies.iter().map(|body| &body.name).collect());
         names("force", self.forces.iter().map(|force| &force.name).collect());
+        names("camera", self.cameras.iter().map(|camera| &camera.name).collect());
+        if checked.cameras.is_empty() {
+            checked.cameras.push(Camera::default());
+        }
         let mut keyframes = 0;
         for (i, force) in checked.forces.iter().enumerate() {
             let before = keyframes;

@@ -104,10 +104,11 @@ const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
     ("[air]", "[viscosity]\nair = 0.1\nkinematic_air = 1e-5\n[air]", 13, "viscosity.kinematic_air", &["expected one of them"]),
     ("[air]", "[viscosity]\nsmagorinsky = 0.1\n[fluid]\nsolver = \"pbf\"\n[air]", 12, "viscosity.smagorinsky", &["expected 0: fluid.solver is \"pbf\""]),
     ("[air]", "[viscosity]\nkinematic_hair = 1e-5\nhair = 0.1\n[air]", 12, "viscosity.kinematic_hair", &["expected one of them"]),
-    ("[air]", "[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 0]\nfov = 190\n[air]", 14, "camera.fov", &["below 180"]),
-    ("[air]", "[camera]\neye = [0, 0, 1]\n[air]", 11, "camera.target", &["is missing"]),
-    ("[air]", "[camera]\nwidth = 90\ntarget = [0, 0, 1]\n[air]", 11, "camera.eye", &["is missing"]),
-    ("[air]", "[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 1]\n[air]", 13, "camera.target", &["same point as camera.eye"]),
+    ("[air]", "[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 0]\nfov = 190\n[air]", 14, "camera.0.fov", &["below 180"]),
+    ("[air]", "[[camera]]\nname = \"a\"\n[[camera]]\nname = \"a\"\n[air]", 13, "camera.1.name", &["\"a\" a second time"]),
+    ("[air]", "[camera]\neye = [0, 0, 1]\n[air]", 11, "camera.0.target", &["is missing"]),
+    ("[air]", "[camera]\nwidth = 90\ntarget = [0, 0, 1]\n[air]", 11, "camera.0.eye", &["is missing"]),
+    ("[air]", "[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 1]\n[air]", 13, "camera.0.target", &["same point as camera.eye"]),
     ("[air]", "[picture]\nair = \"vorticity\"\n[interaction]\nmodel = \"drag\"\n[air]", 12, "picture.air", &["\"vorticity\" needs air particles"]),
     ("[air]", "[picture]\nair = \"vorticity\"\n[fluid]\niterations = 0\n[viscosity]\nhair = 0\nair = 0\n[air]", 12, "picture.air", &["needs particles that have neighbours"]),
     ("[air]", "[picture]\nair = \"band_energy\"\n[interaction]\nmodel = \"none\"\n[air]", 12, "picture.air", &["\"band_energy\" needs air particles"]),
@@ -241,7 +242,7 @@ fn an_assignment_changes_its_key() {
     assert_eq!(set(QUICK, &["air.box.max=[0.2,0.12,0.07]"]).unwrap().air.as_ref().unwrap().bounds.unwrap().max[0], 0.2);
     assert_eq!(set(QUICK, &["method=published"]).unwrap().method, windswept_scene::Method::Published);
     assert_eq!(set(QUICK, &["title=\"a = b\""]).unwrap().title, "a = b");
-    assert_eq!(set(QUICK, &["camera.eye=[0,0,1]", "camera.target=[0,0,0]"]).unwrap().camera.width, 960);
+    assert_eq!(set(QUICK, &["camera.eye=[0,0,1]", "camera.target=[0,0,0]"]).unwrap().cameras[0].width, 960);
     let text = set(QUICK, &["hair.length=0.2"]).unwrap().scene().text().to_owned();
     assert_eq!(text.lines().count(), QUICK.lines().count());
     assert!(text.contains("length = 0.2                       # m, along the curl"), "comments are kept: {text}");

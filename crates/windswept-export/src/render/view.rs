@@ -34,24 +34,24 @@ pub struct View {
 }
 
 impl View {
-    /// The scene's camera as pictures of a film are taken with it, whose hair is `start` at first; `groom` is a caller's
-    /// own.
+    /// The scene's cameras as pictures of a film are taken with them, whose hair is `start` at first; `groom` is a
+    /// caller's own.
     ///
     /// # Errors
     /// [`ExportError::Picture`] as [`Self::new`] and [`Followers::with_groom`].
-    pub fn of(scene: &CheckedScene, start: &HairFrame, groom: Option<&Curves>) -> Result<Self, ExportError> {
-        Self::new(scene, &Followers::about(scene, start, groom, scene.picture.hairs)?)
+    pub fn all(scene: &CheckedScene, start: &HairFrame, groom: Option<&Curves>) -> Result<Vec<Self>, ExportError> {
+        let followers = Followers::about(scene, start, groom, scene.picture.hairs)?;
+        scene.cameras.iter().map(|camera| Self::new(scene, camera, &followers)).collect()
     }
 
-    /// The scene's camera, the same for every frame of a film; where the scene does not say where it stands, one that
-    /// sees where these strands may go from their start.
+    /// A camera in a scene, the same for every frame of a film; where it does not say where it stands, it sees where
+    /// these strands may go from their start.
     ///
     /// # Errors
     /// [`ExportError::Picture`] when the camera stands where it looks.
-    pub fn new(scene: &CheckedScene, strands: &Followers) -> Result<Self, ExportError> {
-        let camera = &scene.camera;
+    pub fn new(scene: &CheckedScene, camera: &Camera, strands: &Followers) -> Result<Self, ExportError> {
         let Some(LookAt { eye, target }) = camera.look_at else {
-            return Ok(Self::automatic(scene, strands));
+            return Ok(Self::automatic(scene, camera, strands));
         };
         let (eye, target) = (DVec3::from_array(eye), DVec3::from_array(target));
         if eye.distance(target) < 1e-9 {
@@ -62,7 +62,7 @@ impl View {
         Ok(Self { eye, target, fov: camera.fov, width: camera.width, height: camera.height })
     }
 
-    fn automatic(scene: &CheckedScene, strands: &Followers) -> Self {
+    fn automatic(scene: &CheckedScene, camera: &Camera, strands: &Followers) -> Self {
         // Wind from left to right; without wind the way the hair points, where most of it points one way.
         let wind = scene.air.as_ref().map_or(DVec3::ZERO, |air| DVec3::from_array(air.wind));
         let (sum, count) = strands.strands().fold((DVec3::ZERO, 0.0), |(sum, count), strand| {
@@ -74,7 +74,7 @@ impl View {
         let right = level(wind).try_normalize().or(points_to.map(DVec3::normalize)).unwrap_or(DVec3::X);
         let side = right.cross(DVec3::Y);
         // Half way toward a three-quarter view, and 12° above.
-        let mut fit = Fit::new((side + 0.42 * right + 0.26 * DVec3::Y).normalize(), &scene.camera);
+        let mut fit = Fit::new((side + 0.42 * right + 0.26 * DVec3::Y).normalize(), camera);
         let table = scene.air.as_ref().map_or(vec![(0.0, [0.0; 3])], CheckedAir::wind_table);
         let lasts = |k: usize| table.get(k + 1).map(|next| next.0 - table[k].0);
         let winds: Vec<_> = (0..table.len()).map(|k| (DVec3::from_array(table[k].1), lasts(k))).collect();
@@ -85,7 +85,7 @@ impl View {
         for x in patch_ends(scene).chain(scene.bodies.iter().flat_map(where_body_goes)) {
             fit.add(x, 0.0);
         }
-        fit.view(&scene.camera)
+        fit.view(camera)
     }
 
     /// Unit vectors to the picture's right and top, and from what the camera looks at to the camera.
