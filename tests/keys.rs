@@ -96,6 +96,7 @@ const COMMON: &[(&str, &str)] = &[
     ("rods.iterations", "3"),
     ("rods.newton", "2"),
     ("rods.damping", "4"),
+    ("hair.stiffness", "[[0, 4], [0.3, 1]]"),
 ];
 
 /// Keys that only hair outside the box of air feels in the model `particles`.

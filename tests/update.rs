@@ -56,6 +56,7 @@ fn changes() -> Vec<Change> {
         ("hair.youngs_modulus", |scene| {
             scene.hair[0].fibre.stiffness = Stiffness::Moduli(Moduli { youngs_modulus: 2e9, poissons_ratio: 0.38 });
         }),
+        ("hair.stiffness", |scene| scene.hair[0].stiffness = Some([[0.0, 4.0], [0.3, 1.0]].into())),
         ("hair.density", |scene| scene.hair[0].fibre.density = 1000.0),
         ("hair.friction", |scene| scene.hair[0].friction = 0.6),
         ("body.motion", |scene| {

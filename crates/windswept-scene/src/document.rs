@@ -10,11 +10,12 @@ use toml_edit::{Document as Toml, Item, TableLike, TomlError, Value};
 
 use crate::{
     change::Assignments,
-    declare::{is_computable, join},
+    declare::{Leaf, is_computable, join},
     error::SceneError,
     faults::{At, Faults},
     keys::{KEYS, Key, Kind},
     limits::{LARGEST, MAX_BANDS, MAX_BODIES, MAX_FORCES, MAX_HAIR_GROUPS, MAX_STRENGTH_KEYFRAMES, SMALLEST},
+    profile::Profile,
 };
 
 /// A checked value.
@@ -25,6 +26,7 @@ pub(crate) enum Datum {
     Count(u32),
     Number(f64),
     Vector([f64; 3]),
+    Pairs(Vec<[f64; 2]>),
     Values(Assignments),
     /// A table, or an array of this many.
     Tables(usize),
@@ -182,10 +184,7 @@ fn is_rooted(file: &str) -> bool {
 
 /// The value as what the key takes; `None` for another type or a value out of range.
 pub(crate) fn datum(kind: Kind, value: &Value) -> Option<Datum> {
-    let vector = |value: &Value| {
-        let values: Vec<f64> = value.as_array()?.iter().map(number).collect::<Option<_>>()?;
-        <[f64; 3]>::try_from(values).ok()
-    };
+    let vector = |value| numbers::<3>(value);
     match kind {
         Kind::Text | Kind::Path => value.as_str().map(|text| Datum::Text(text.to_owned())),
         Kind::Bool => value.as_bool().map(Datum::Bool),
@@ -198,6 +197,10 @@ pub(crate) fn datum(kind: Kind, value: &Value) -> Option<Datum> {
         }
         Kind::Vector => vector(value).map(Datum::Vector),
         Kind::Direction => vector(value).filter(|v| *v != [0.0; 3]).map(Datum::Vector),
+        Kind::Profile => {
+            let pairs: Vec<[f64; 2]> = value.as_array()?.iter().map(numbers).collect::<Option<_>>()?;
+            Profile(pairs.clone()).fits(kind).then_some(Datum::Pairs(pairs))
+        }
         Kind::Choice(words) => {
             value.as_str().filter(|word| words.contains(word)).map(|word| Datum::Text(word.to_owned()))
         }
@@ -207,6 +210,12 @@ pub(crate) fn datum(kind: Kind, value: &Value) -> Option<Datum> {
         }),
         Kind::Table | Kind::Tables => None,
     }
+}
+
+/// So many numbers that can be computed with.
+fn numbers<const N: usize>(value: &Value) -> Option<[f64; N]> {
+    let values: Vec<f64> = value.as_array()?.iter().map(number).collect::<Option<_>>()?;
+    values.try_into().ok()
 }
 
 /// A number that can be computed with.

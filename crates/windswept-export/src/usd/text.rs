@@ -92,7 +92,8 @@ pub(crate) const LAYER: &str = "a layer of a film of windswept";
 pub(super) fn stage(rate: f64, provenance: &Provenance<'_>, scenery: &Scenery, units: Units, last: f64) -> String {
     let Units { metres, up } = units;
     let names = names(scenery).split_off(scenery.bodies.len());
-    let cameras: String = names.iter().zip(&scenery.cameras).map(|(name, (_, view))| camera(name, view, units)).collect();
+    let cameras: String =
+        names.iter().zip(&scenery.cameras).map(|(name, (_, view))| camera(name, view, units)).collect();
     let Provenance { scene, version, adapter, seed } = provenance;
     let [scene, version, adapter] = [scene, version, adapter].map(|text| quoted(text));
     format!(
@@ -124,7 +125,11 @@ def Xform \"{ROOT}\"
 /// Names of the prims of bodies, and then of cameras, as USD takes them: each once, and none that of the hair.
 fn names(scenery: &Scenery) -> Vec<Name> {
     let mut taken = vec!["Hair".to_owned()];
-    let given = scenery.bodies.iter().map(|body| body.name.as_str()).chain(scenery.cameras.iter().map(|(name, _)| name.as_str()));
+    let given = scenery
+        .bodies
+        .iter()
+        .map(|body| body.name.as_str())
+        .chain(scenery.cameras.iter().map(|(name, _)| name.as_str()));
     given
         .map(|given| {
             let mut prim: String = given.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect();

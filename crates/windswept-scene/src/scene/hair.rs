@@ -13,6 +13,7 @@ use crate::{
     },
     limits::{MAX_HAIR_POINTS, MAX_POINTS_OF_A_STRAND},
     motion::Motion,
+    profile::Profile,
     scene::Roots,
     strands::End,
 };
@@ -33,6 +34,9 @@ table! {
         source as "": HairSource = Table, "", Derived("");
         /// Fibres of the strands.
         fibre as "": Fibre = Table, "", Derived("");
+        /// Factor of the stiffness to bend and twist along the strands, linear between its pairs: stiffer roots are
+        /// `[[0, 4], [0.3, 1]]`.
+        stiffness: Option<Profile> = Kind::Profile, "", Derived("1 from root to tip");
         /// Coulomb's coefficient of friction of the strands on other strands, of a pair the smaller one; two-way only.
         friction: f64 = NonNegative, "", Value(FRICTION);
         /// Hold of the roots: in place and direction, in place, not at all.
@@ -264,7 +268,7 @@ impl Hair {
     fn of(source: HairSource) -> Self {
         let (root, tip) = (End::Clamped, End::Free);
         let (name, fibre, motion) = (Self::NAME.to_owned(), Fibre::default(), Motion::default());
-        Self { name, source, fibre, friction: FRICTION, root, tip, seed: None, body: None, motion }
+        Self { name, source, fibre, stiffness: None, friction: FRICTION, root, tip, seed: None, body: None, motion }
     }
 
     /// The point that the roots' motion turns about \[m\]: in a checked scene that of their body, if they have one, else
