@@ -178,6 +178,7 @@ const UNSEEN: &[(&str, &str)] = &[
     ("picture", "drawn"),
     ("change", "later: tests/update.rs"),
     ("rods.sleep", "strands that rest"),
+    ("hair.clump", "followers: windswept-export/src/followers/tests.rs"),
     ("hair.file", "a file: windswept-scene/tests/groom_files.rs"),
     ("hair.scale", "a file"),
     ("hair.up", "a file"),
