@@ -57,6 +57,25 @@ def test_pictures_show_the_hair(sim, tmp_path):
     sim.run(0.03)
     assert not np.array_equal(picture, sim.render(width=160, height=90))
     assert sim.render().shape == (180, 320, 4)
+    # From elsewhere, with the renderer of the scene's camera: as a camera of the scene that stands there.
+    eye, target = [0.2, 0.05, 0.1], np.array([0.02, 0.03, 0.02])
+    cameras = [ws.Camera(width=160, height=90), ws.Camera(name="side", eye=eye, target=target, fov=30, width=160, height=90)]
+    there = ws.Simulation(sim.scene.replace(camera=cameras))
+    there.step(int(sim.steps))
+    picture = there.render(camera="side")
+    assert picture.shape == (90, 160, 4) and not np.array_equal(picture, there.render())
+    assert np.array_equal(picture, there.render(eye=eye, target=target, fov=30))
+    assert np.array_equal(there.render(), there.render(camera="camera"))
+    for wrong, words in [
+        ({"camera": "back"}, "camera: expected one of camera, side, found \"back\""),
+        ({"eye": eye}, "target: expected one beside eye"),
+        ({"target": eye}, "eye: expected one beside target"),
+        ({"eye": eye, "target": eye}, "the same point"),
+        ({"fov": 200}, "fov: expected an angle below 180 degrees"),
+        ({"eye": [1, 2]}, "eye: expected three numbers"),
+    ]:
+        with pytest.raises(ValueError, match=words):
+            there.render(**wrong)
     ws.write_png(tmp_path / "a.png", picture)
     assert np.array_equal(np.asarray(image.open(tmp_path / "a.png")), picture[..., :3])
     ws.contact_sheet([tmp_path / "a.png"] * 3, tmp_path / "sheet.png")

@@ -314,9 +314,9 @@ class Hair(Table):
     segment's mass.
     """
     stiffness: Key[list[list[float]] | None, ArrayLike | None] = key(default=None, kind="pairs")
-    """Factor of the stiffness to bend and twist along the strands, linear between its pairs: stiffer roots are \[\[0,
-    4\], \[0.3, 1\]\]. Pairs [part of the length, factor] with parts from 0 to 1 that rise and factors above 0. Without
-    it: 1 from root to tip.
+    """Factor of the stiffness to bend and twist along the strands, linear between its pairs: stiffer roots are [[0, 4],
+    [0.3, 1]]. Pairs [part of the length, factor] with parts from 0 to 1 that rise and factors above 0. Without it: 1
+    from root to tip.
     """
     clump: Key[Clump | None, Clump | None] = key(default=None, of=Clump, kind="table")
     """Locks that the hairs gather to which follow the strands, in pictures and films. Without it: they do not gather.

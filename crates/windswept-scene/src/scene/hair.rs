@@ -36,7 +36,7 @@ table! {
         /// Fibres of the strands.
         fibre as "": Fibre = Table, "", Derived("");
         /// Factor of the stiffness to bend and twist along the strands, linear between its pairs: stiffer roots are
-        /// \[\[0, 4\], \[0.3, 1\]\].
+        /// `[[0, 4], [0.3, 1]]`.
         stiffness: Option<Profile> = Kind::Profile, "", Derived("1 from root to tip");
         /// Locks that the hairs gather to which follow the strands, in pictures and films.
         clump: Option<Clump> = Table, "", Derived("they do not gather");
