@@ -184,7 +184,12 @@ fn summary(scene: &CheckedScene, initial: &InitialState) -> Result<Vec<(&'static
     if let Some(settings) = &scene.air {
         rows.push((
             "wind",
-            format!("({}) m/s, over {} s", settings.wind.map(|u| u.to_string()).join(", "), settings.ramp),
+            format!(
+                "({}) m/s, over {} s{}",
+                settings.wind.map(|u| u.to_string()).join(", "),
+                settings.ramp,
+                settings.follows.as_ref().map_or_else(String::new, |body| format!("; the box goes with {body}"))
+            ),
         ));
     }
     if let Some(turbulence) = turbulence(scene) {
