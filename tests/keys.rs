@@ -185,6 +185,7 @@ const UNSEEN: &[(&str, &str)] = &[
     ("hair.file_radius", "a file"),
     ("hair.file_guides", "a file"),
     ("hair.points_per_strand", "a file"),
+    ("hair.pin", "tests/pins.rs"),
     ("hair.roots.body", "a mesh: windswept-scene/tests/solids.rs"),
     ("hair.roots.group", "a mesh"),
     ("body.file", "a mesh"),

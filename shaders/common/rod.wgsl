@@ -86,9 +86,13 @@ fn strained_steps(before: u32, stretch: f32) -> u32 {
 
 // A point that is pinned, or a tip that is held.
 struct Pin {
-    place: vec3f,    // m, where it is held; of a tip of roots with keyframes before any motion
-    held: u32,       // 1: it is
+    place: vec3f,    // m, where it is held; before any motion, of a body or of a held tip's roots
+    held: u32,       // 0: it is not; AT_PLACE; ON_BODY + i: it goes with body i
+    goal: vec3f,     // m, where it is held at the step's end
 }
+
+const AT_PLACE: u32 = 1u;   // it goes there within a step of the host
+const ON_BODY: u32 = 2u;
 
 // A strand within a step.
 struct RodStrand {
@@ -138,7 +142,7 @@ struct RodPoint {
     displacement: vec3f,           // m, the move
     rest_drift: vec3f,             // m, from where it was when the strand became still
     pin: vec3f,                    // m, to where it is pinned in this step
-    pinned: u32,                   // 1: it is, and the strand has a pin nearer to the tip
+    pinned: u32,                   // as `Pin.held`, if the strand has a pin nearer to the tip, else 0
     pin_force: vec3f,              // N, of the pin in the step before, by which its spring need not give
 }
 

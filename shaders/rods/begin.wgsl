@@ -31,7 +31,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     point.external_dv = change;
     point.impulse_change = change - history.external_dv;
     point.rest_drift = history.rest_drift;
-    point.pin = pins[p].place - position[p].xyz;
+    point.pin = pins[p].goal - position[p].xyz;
     point.pinned = select(0u, pins[p].held, w > 0.0);
     point.pin_force = history.pin_force;
     rod_points[p] = point;

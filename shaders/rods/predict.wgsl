@@ -16,7 +16,7 @@ import package::common::{
     integration::{KINEMATIC, HOLD, EULER, free_move, response}, rest::RESTING_STEPS, load::damping_of,
     rod::{
         Strand, Segment, RodStrand, RodPoint, RodSegment, SegmentHistory, FREE, SOLVED, TELEPORTED, ASLEEP, SLEEPS,
-        NO_PIN, TIP_HELD, WHOLE, TURN, clamped,
+        NO_PIN, AT_PLACE, TIP_HELD, WHOLE, TURN, clamped,
     },
     validity::{FAR, FAST, within},
     status::{status, frozen, freeze, count, EULER_STEP, SLEEPING_STEP, TELEPORT, UNRECOVERED_STRAND},
@@ -77,7 +77,7 @@ fn pull(strand: Strand) -> Pins {
         let p = strand.first_point + k;
         if rod_points[p].pinned == 0u { continue; }
         pins.farthest = max(pins.farthest, length(rod_points[p].pin));
-        rod_points[p].pin /= f32(left);
+        if rod_points[p].pinned == AT_PLACE { rod_points[p].pin /= f32(left); }
         if pins.last != NO_PIN { continue; }
         pins.last = k;
         rod_points[p].pinned = 0u;

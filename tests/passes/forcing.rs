@@ -12,7 +12,7 @@ use windswept_scene::{Force, Gust, Inflow, InitialState, Keyframe, Motion, Rods,
 use windswept_shaders::{
     self as shaders,
     common::{
-        rod::{FAILED, INVALID},
+        rod::{FAILED, INVALID, ON_BODY},
         status::STRAND_RESET,
     },
 };
@@ -22,9 +22,9 @@ use crate::{
     contact::bodies_apart,
     fixture::{Fixture, each, quaternion, relative, stirred, xyz},
     hair::{any, ends, motion, scene_of, set_roots, strands},
-    steps::{DIVERGENCE, FIELDS, Fault, LIGHT_HAIR, PARTICLES, PRESSED_HAIR, PUSHED},
+    steps::{DIVERGENCE, FIELDS, Fault, LIGHT_HAIR, PARTICLES, PINNED, PRESSED_HAIR, PUSHED},
     support,
-    walk::{Both, EXACT, FRAME, LENGTH, MULTIPLIER, Row, SPEED, WIND, apart, differing, numbers_apart},
+    walk::{Both, EXACT, FRAME, LENGTH, MULTIPLIER, Row, SPEED, WIND, apart, differing, largest, numbers_apart},
     walls::walls_apart,
 };
 
@@ -41,6 +41,7 @@ pub const ROWS: &[Row] = &[
     ("forcing/roots", |b| drives_apart(b.fixture, b.w).0, LENGTH),
     ("forcing/roots", |b| drives_apart(b.fixture, b.w).1, FRAME),
     ("forcing/roots", |b| b.states(), EXACT),
+    ("forcing/pins", pins_apart, LENGTH),
     ("forcing/hair_drift", |b| b.hair(&b.state().predicted, &b.w.predicted), LENGTH),
     ("forcing/extrapolate", |b| b.hair(&b.state().new_velocity, &b.w.new_velocity), SPEED),
     (
@@ -79,6 +80,15 @@ fn wind_apart(b: &Both<'_>, got: [f32; 3], more: u64) -> f64 {
     (DVec3::from_array(got.map(f64::from)) - forcing::mean_wind(b.p(), b.s.steps + more)).length()
 }
 
+/// Largest distance of a pin that goes with a body from where the body's pose carries its place \[m\].
+fn pins_apart(b: &Both<'_>) -> f64 {
+    let pins = b.read(&b.state().pins);
+    largest(pins.iter().filter(|pin| pin.held >= ON_BODY).map(|pin| {
+        let body = &b.w.moving.bodies[(pin.held - ON_BODY) as usize];
+        (xyz(&pin.goal) - body.after.out(xyz(&pin.place))).length()
+    }))
+}
+
 fn strengths_apart(b: &Both<'_>) -> f64 {
     let strength = |field| forcing::field_strengths(b.p(), field, b.s.steps + 1);
     let wanted: Vec<_> = b.p().fields.iter().map(strength).collect();
@@ -95,6 +105,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::forcing::MEAN_WIND, PARTICLES, &[15]),
     (&shaders::forcing::RESET, PARTICLES, &[57, 35]),
     (&shaders::forcing::ROOTS, PARTICLES, &[53]),
+    (&shaders::forcing::PINS, PINNED, &[4]),
     (&shaders::forcing::HAIR_DRIFT, LIGHT_HAIR, &[16]),
     (&shaders::forcing::FRINGE_DEFICIT, PARTICLES, &[12]),
     (&shaders::reduce::TOTAL, &["turbulence={bands=[]}"], &[1]),

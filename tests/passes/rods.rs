@@ -181,7 +181,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::rods::PUSH_HAIR, PUSHED, &[13]),
     (&shaders::rods::EXCLUDE_PUSH, PUSHED, &[14]),
     (&shaders::rods::PREDICT, TWO_WAY, &[25]),
-    (&shaders::rods::PREDICT, LIGHT_HAIR, &[199]),
+    (&shaders::rods::PREDICT, LIGHT_HAIR, &[201]),
     (&shaders::rods::PREDICT, PARTICLES, &[267]),
     (&shaders::rods::SOLVE, PARTICLES, &[100]),
     (&shaders::rods::SOLVE, NEWTON, &[127]),

@@ -7,7 +7,7 @@ use windswept::{
     Accelerations, Frame, Gpu, ShaderVariant, Simulation,
     internals::{with_sources, with_variant},
 };
-use windswept_scene::{InitialState, Scene, Strands};
+use windswept_scene::{InitialState, Pinned, Scene, Strands};
 use windswept_shaders::{self as shaders, PASSES, Pass};
 
 use crate::{
@@ -125,6 +125,15 @@ const PUSH: &str = "title='pushed'";
 /// Settings with accelerations that are set, where hair and air exchange drag.
 pub const PUSHED: &[&str] =
     &["fluid.solver=divergence", EXCHANGE, "hair.fibres_per_strand=30", "air.wind=[0,0,0]", PUSH];
+/// Setting of a scene whose roots, which are held, are pinned to bodies as well: no rod feels these pins.
+const PIN: &str = "title='pinned'";
+/// Settings with pins on a body that tumbles, and on one that rests.
+pub const PINNED: &[&str] = &[
+    PIN,
+    "interaction.model=none",
+    "body=[{name='a',center=[0.06,0.13,0.03],radius=0.012,motion=[{time=0,rotation=[0,1,2]},\
+    {time=0.01,translation=[0,0.003,0],rotation=[0,0,3]}]},{name='b',center=[0.03,0.13,0.02],radius=0.008}]",
+];
 /// Settings of the method as printed.
 pub const PUBLISHED: &[&str] = &["method=published"];
 /// Settings with two bodies: one tumbles, one rests. Contacts that settle are remembered.
@@ -174,6 +183,11 @@ fn steps_of_both(gpu: &Gpu, sets: &[&str], bounds: &Bounds, steps: u32) -> Resul
     if sets.contains(&"hair.strands=1") {
         // This scene is of air alone.
         initial.hair = Strands { point_offsets: vec![0], ..Strands::default() };
+    }
+    if sets.contains(&PIN) {
+        let root = |s: usize| (initial.hair.point_offsets[s], initial.hair.positions[initial.hair.points(s).start]);
+        let pin = |s: usize| Pinned { point: root(s).0, body: Some(s as u32 % 2), place: root(s).1 };
+        initial.pins = (0..initial.hair.len()).map(pin).collect();
     }
     let mut fixture = Fixture::on(gpu, &scene, &initial);
     if sets.contains(&PUSH) {
@@ -270,6 +284,7 @@ fn steps_are_those_of_the_reference() {
         &["fluid.solver=divergence", "fluid.coarse=false", "hair.strands=1"],
         &["hair.strands=1"],
         BODIES,
+        PINNED,
         WALLS,
         STARTED,
         &[WALLS, &["interaction.model=particles"]].concat()[..],
@@ -286,7 +301,7 @@ fn steps_are_those_of_the_reference() {
         let steps = match sets {
             _ if sets == FIELDS => STEPS_OF_FIELDS,
             _ if sets == FIELDS_BEHIND_HAIR => STEPS_OF_FIELDS_BEHIND_HAIR,
-            _ if sets == BODIES || sets == STARTED || sets.starts_with(WALLS) => STEPS_OF_BODIES,
+            _ if sets == BODIES || sets == PINNED || sets == STARTED || sets.starts_with(WALLS) => STEPS_OF_BODIES,
             _ if sets.contains(&EXCHANGE) => STEPS_OF_COUPLING,
             _ if sets == TAUT => STEPS_OF_TAUT_HAIR,
             _ if sets == THIN_BODY => STEPS_OF_THIN_BODY,

@@ -188,6 +188,7 @@ pub fn particles(n: usize, hair: usize, layout: Layout, seed: u64) -> InitialSta
             volume: VOLUME,
             mass: MASS,
         },
+        pins: Vec::new(),
         warnings: Vec::new(),
     }
 }

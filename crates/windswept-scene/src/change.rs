@@ -76,6 +76,7 @@ const FIXED: &[&str] = &[
     "hair.root",
     "hair.tip",
     "hair.seed",
+    "hair.pin",
     "body.name",
     "body.shape",
     "body.center",

@@ -12,6 +12,7 @@ use crate::{
     groom::Groom,
     hair,
     limits::{DEEPEST_ROOT, MAX_AIR_PARTICLES},
+    pins::{self, Pinned},
     scene::{Air, AsChecked, CheckedScene, Model, SceneValues},
     strand::AirParticle,
     strands::{Ends, Strands},
@@ -30,6 +31,8 @@ pub struct InitialState {
     pub followers: Option<Curves>,
     /// The air particles.
     pub air: AirParticles,
+    /// Points of hair that the scene holds: `[[hair.pin]]`.
+    pub pins: Vec<Pinned>,
     /// Warnings about the scene.
     pub warnings: Vec<Warning>,
 }
@@ -97,6 +100,12 @@ impl InitialState {
     pub fn check(&self) -> Result<(), SceneError> {
         self.hair.consistent()?;
         self.followers.as_ref().map_or(Ok(()), |all| follow(all, &self.hair))?;
+        let points = self.hair.positions.len();
+        if let Some(pin) = self.pins.iter().find(|pin| pin.point as usize >= points || !pin.place.is_finite()) {
+            let words =
+                format!("expected a point below {points} and a finite place, found {} at {}", pin.point, pin.place);
+            return Err(SceneError::new(words).at("pins", None));
+        }
         self.air.consistent()
     }
 
@@ -152,7 +161,8 @@ impl InitialState {
         if hair.is_empty() && filled.is_none() {
             return Err(SceneError::new("is missing: the scene has neither hair nor air particles").at("hair", None));
         }
-        let mut state = Self { hair, warnings, ..Self::default() };
+        let pins = pins::pinned(scene, &hair, &mut warnings);
+        let mut state = Self { hair, pins, warnings, ..Self::default() };
         if let Some((air, bounds)) = filled {
             let bounds = box_fit::cut(scene, air, bounds, &state.hair)?;
             // Fibres take no room from the air that they exchange drag with.

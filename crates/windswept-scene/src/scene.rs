@@ -390,7 +390,7 @@ impl SceneValues {
 }
 
 /// The words of a fault of a name that there is not, with those that there are.
-fn unknown(what: &str, found: &str, known: &[&str]) -> String {
+pub(crate) fn unknown(what: &str, found: &str, known: &[&str]) -> String {
     let known = if known.is_empty() { "there is none".to_owned() } else { known.join(", ") };
     format!("expected {what} ({known}), found \"{found}\"")
 }
@@ -485,6 +485,7 @@ impl Scene {
         checked.check_bodies(at);
         checked.check_picture(at);
         checked.move_roots_with_bodies(at);
+        checked.check_pins(at);
         self.check_changes(at);
     }
 }

@@ -54,11 +54,11 @@ impl Simulation {
         Ok(self.engine.write(&self.engine.state().root_targets, &targets)?)
     }
 
-    /// Pins points of hair to places in the world \[m\], in place of all pins before: `points` are rows of
+    /// Pins points of hair to places in the world \[m\], in place of all pins set before: `points` are rows of
     /// [`Frame`](crate::Frame)'s hair, and each goes to its place within the next step of Δt and stays until it is
     /// pinned elsewhere or released. A pin is a stiff spring, which gives by less than 0.1 mm while a head turns; the
-    /// last on a strand, and a tip that the scene holds, go exactly. Such a tip that is not pinned elsewhere is where
-    /// the scene has it.
+    /// last on a strand, and a tip that the scene holds, go exactly. Points that the scene holds, and are not pinned
+    /// elsewhere, are where the scene has them.
     ///
     /// # Errors
     /// [`RunError::Input`] when there is not one place per point, a place is beyond 1e18 m, a point does not exist, is

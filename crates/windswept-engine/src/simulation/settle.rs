@@ -1,13 +1,18 @@
 //! Hair that comes to rest before a run begins: `time.settle`.
 
 use glam::{DQuat, DVec3};
-use windswept_scene::{CheckedScene, InitialState, Model};
+use windswept_scene::{CheckedScene, InitialState, Model, Pinned, around};
 
 use super::{Origin, Simulation};
 use crate::{
     error::{Error, RunError},
     gpu::Gpu,
 };
+
+/// Part of the time of settling in which pins gather strands.
+const GATHERING: f64 = 0.7;
+/// Way of a pin that is rounding \[m\].
+const SMALLEST: f64 = 1e-9;
 
 impl Simulation {
     /// Lets hair hang and lie for `time.settle` in still air, with roots and bodies where they are at the start. The state
@@ -17,9 +22,10 @@ impl Simulation {
         if steps == 0 || initial.hair.is_empty() {
             return Ok(());
         }
-        let alone = InitialState { hair: initial.hair.clone(), origin: initial.origin, ..InitialState::default() };
+        let (hair, pins, origin) = (initial.hair.clone(), initial.pins.clone(), initial.origin);
+        let alone = InitialState { hair, pins, origin, ..InitialState::default() };
         let mut settling = Self::build(gpu, &in_still_air(scene), alone, Origin::Validated)?;
-        settling.step(steps).map_err(|error| match error {
+        settling.gather(scene, steps).map_err(|error| match error {
             RunError::Gpu(error) => Error::Gpu(error),
             error => Error::Scene(scene.scene().fault("time.settle", &format!("hair does not settle: {error}"))),
         })?;
@@ -33,6 +39,31 @@ impl Simulation {
             *q = DQuat::from_array(frame.map(f64::from)).normalize();
         }
         Ok(())
+    }
+
+    /// Runs so many steps. In the first of them pins go about their bodies from where strands start to where they are held.
+    fn gather(&mut self, scene: &CheckedScene, steps: u64) -> Result<(), RunError> {
+        let pins = self.initial.pins.clone();
+        let way = |pin: &Pinned| {
+            let (from, to) = (self.initial.hair.positions[pin.point as usize], pin.at_start(scene));
+            let body = pin.body.and_then(|body| scene.bodies.get(body as usize));
+            let center = body.map_or(from, |body| body.at(0.0).center());
+            (center, from, to)
+        };
+        let ways: Vec<_> = pins.iter().map(way).collect();
+        let rests = ways.iter().all(|(_, from, to)| from.distance(*to) < SMALLEST);
+        let gathering = if rests { 0 } else { (GATHERING * steps as f64).ceil() as u64 };
+        let points: Vec<usize> = pins.iter().map(|pin| pin.point as usize).collect();
+        for k in 1..=gathering {
+            let part = k as f64 / gathering as f64;
+            let places: Vec<_> = ways.iter().map(|&(center, from, to)| around(center, from, to, part)).collect();
+            self.set_pins(&points, &places)?;
+            self.step(1)?;
+        }
+        if gathering > 0 {
+            self.set_pins(&[], &[])?;
+        }
+        self.step(steps - gathering)
     }
 }
 

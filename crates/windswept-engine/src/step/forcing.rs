@@ -13,11 +13,17 @@ use crate::{
 pub struct ForcingPlan {
     /// Whether the wind draws the air behind the faces that it enters through, and is held at what it is there.
     pub fringe: Decision,
+    /// Whether pins go with bodies.
+    pub pins: Decision,
 }
 
 pub(super) fn plan(setup: &Setup<'_>) -> ForcingPlan {
     let has_fringe = setup.scene.air.as_ref().is_some_and(|air| air.fringe > 0.0);
-    ForcingPlan { fringe: Decision::when(has_fringe, "air.fringe is 0") }
+    let on_body = setup.initial.pins.iter().any(|pin| pin.body.is_some());
+    ForcingPlan {
+        fringe: Decision::when(has_fringe, "air.fringe is 0"),
+        pins: Decision::when(on_body, "no pin goes with a body"),
+    }
 }
 
 /// Records the passes of this stage.
@@ -31,6 +37,9 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
             r.run(&forcing::RESET, "a strand that is not finite starts from rest", n.strands);
         });
         r.run(&forcing::ROOTS, "where clamps go", n.strands);
+        r.when(&plan.forcing.pins, |r| {
+            r.run(&forcing::PINS, "pins go with bodies", n.hair_points);
+        });
         r.when(&c.neighbours, |r| {
             r.run(&forcing::HAIR_DRIFT, "hair drifts among air", n.hair_points);
         });

@@ -3,8 +3,8 @@
 use glam::{DQuat, DVec3};
 use windswept_scene::{CheckedScene, End, Hair, InitialState, Pose, Strands};
 use windswept_shaders::common::rod::{
-    Pin, Point, PointHistory, ROOT_HELD, ROOT_JOINT, Root, Segment, SegmentHistory, Strand, StrandHistory, TIP_HELD,
-    TIP_JOINT,
+    AT_PLACE, ON_BODY, Pin, Point, PointHistory, ROOT_HELD, ROOT_JOINT, Root, Segment, SegmentHistory, Strand,
+    StrandHistory, TIP_HELD, TIP_JOINT,
 };
 
 use crate::upload::{
@@ -138,11 +138,15 @@ fn unmoved(scene: &CheckedScene, initial: &InitialState, s: usize, x: DVec3) -> 
     (center + back * (x - center - translation), back)
 }
 
-/// Pins of hair points: of tips that are held.
+/// Pins of hair points: those of the scene, and of tips that are held.
 #[must_use]
 pub(crate) fn pins(scene: &CheckedScene, initial: &InitialState) -> Vec<Pin> {
     let hair = &initial.hair;
     let mut pins = vec![Pin::default(); hair.positions.len()];
+    for own in &initial.pins {
+        let held = own.body.map_or(AT_PLACE, |body| ON_BODY + body);
+        pins[own.point as usize] = Pin { held, ..pin(own.place - initial.origin) };
+    }
     for s in 0..hair.len() {
         let tip = hair.points(s).end - 1;
         if hair.inverse_mass[tip] == 0.0 {
@@ -155,7 +159,7 @@ pub(crate) fn pins(scene: &CheckedScene, initial: &InitialState) -> Vec<Pin> {
 /// A pin at a local place \[m\].
 #[must_use]
 pub(crate) fn pin(place: DVec3) -> Pin {
-    Pin { place: vec3(place), held: 1 }
+    Pin { place: vec3(place), held: AT_PLACE, goal: vec3(place), ..Pin::default() }
 }
 
 /// Memory of each hair point, as if the point had moved with its velocity for a step of `step` \[s\].

@@ -13,6 +13,7 @@ use crate::{
     },
     limits::{MAX_HAIR_POINTS, MAX_POINTS_OF_A_STRAND},
     motion::Motion,
+    pins::Pin,
     scene::Roots,
     strands::End,
 };
@@ -46,6 +47,8 @@ table! {
         body: Option<String> = Text, "", Derived("that of roots.body, else none");
         /// Keyframes of the roots, about the centre of their shape, or about the origin of a groom file; not with a body.
         motion: Motion = Tables, "", Derived("roots rest, or move as their body");
+        /// Places along the strands that are held: at a body, or by a hair tie.
+        pins as "pin": Vec<Pin> = Tables, "", Derived("no pins");
     }
 }
 
@@ -264,7 +267,8 @@ impl Hair {
     fn of(source: HairSource) -> Self {
         let (root, tip) = (End::Clamped, End::Free);
         let (name, fibre, motion) = (Self::NAME.to_owned(), Fibre::default(), Motion::default());
-        Self { name, source, fibre, friction: FRICTION, root, tip, seed: None, body: None, motion }
+        let pins = Vec::new();
+        Self { name, source, fibre, friction: FRICTION, root, tip, seed: None, body: None, motion, pins }
     }
 
     /// The point that the roots' motion turns about \[m\]: in a checked scene that of their body, if they have one, else
