@@ -30,10 +30,15 @@ fn moves(count: u32) -> bool {
     return KEYFRAMES && count > 0u;
 }
 
-// Pose after `steps` steps of the motion that has `count` keyframes from `first` on; a motion without any rests.
-fn pose_after(steps: u32, first: u32, count: u32) -> Pose {
-    if !moves(count) { return Pose(vec3f(0.0), vec4f(0.0, 0.0, 0.0, 1.0)); }
-    // The last keyframe that has begun, else the first.
+// Where a motion is: between a keyframe and the next.
+struct Phase {
+    keyframe: u32,   // counted from the motion's first: the last that has begun, else the first
+    part: f32,       // of the way to the next
+}
+
+// Phase after `steps` steps of the motion that has `count` keyframes from `first` on.
+fn phase_after(steps: u32, first: u32, count: u32) -> Phase {
+    if !moves(count) { return Phase(0u, 0.0); }
     var low = first;
     var high = first + count;
     while high - low > 1u {
@@ -43,6 +48,17 @@ fn pose_after(steps: u32, first: u32, count: u32) -> Pose {
     }
     let key = keyframes[low];
     let since = select(0.0, f32(steps - key.step) - key.fraction, steps > key.step);
-    let part = min(since * key.rate, 1.0);
-    return Pose(key.translation + part * key.displacement, product(rotation(part * key.turn), key.rotation));
+    return Phase(low - first, min(since * key.rate, 1.0));
+}
+
+// Pose in a phase of the motion that has `count` keyframes from `first` on; a motion without any rests.
+fn pose_in(phase: Phase, first: u32, count: u32) -> Pose {
+    if !moves(count) { return Pose(vec3f(0.0), vec4f(0.0, 0.0, 0.0, 1.0)); }
+    let key = keyframes[first + phase.keyframe];
+    return Pose(key.translation + phase.part * key.displacement,
+        product(rotation(phase.part * key.turn), key.rotation));
+}
+
+fn pose_after(steps: u32, first: u32, count: u32) -> Pose {
+    return pose_in(phase_after(steps, first, count), first, count);
 }

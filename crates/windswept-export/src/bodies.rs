@@ -7,7 +7,7 @@ use windswept_scene::{CheckedBody, CheckedShape};
 /// say.
 pub(crate) fn in_frame<'a>(bodies: &'a [CheckedBody], frame: &'a Frame) -> impl Iterator<Item = CheckedShape> + 'a {
     bodies.iter().enumerate().map(|(i, body)| match frame.bodies.get(i) {
-        Some(pose) => body.placed(pose),
+        Some(pose) => body.placed(pose, frame.time),
         None => body.at(frame.time),
     })
 }

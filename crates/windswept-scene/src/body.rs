@@ -10,7 +10,6 @@ use glam::{DMat3, DVec3};
 use crate::{
     declare::{table, variants},
     faults::At,
-    frames::Frames,
     keys::{
         Fallback::Required,
         Fallback::{Derived, Value},
@@ -347,7 +346,13 @@ impl SceneValues {
     #[must_use]
     pub fn grid_values(&self) -> usize {
         let rigid: usize = self.solids().iter().map(|solid| solid.grid().values.len()).sum();
-        rigid + self.bodies.iter().filter_map(|body| body.shape.solid()?.frames()).map(Frames::values).sum::<usize>()
+        rigid
+            + self
+                .bodies
+                .iter()
+                .filter_map(|body| body.shape.solid()?.frames())
+                .map(|frames| frames.values())
+                .sum::<usize>()
     }
 
     /// The grids of all meshes must fit into one buffer, poses must be a step apart, and the wind must get past the
@@ -357,7 +362,7 @@ impl SceneValues {
         for (i, body) in self.bodies.iter().enumerate() {
             let Some(frames) = body.shape.solid().and_then(Solid::frames) else { continue };
             let times = frames.motion().keyframes.windows(2).map(|pair| pair[1].time - pair[0].time);
-            if let Some((k, apart)) = times.enumerate().find(|(_, apart)| *apart < step) {
+            if let Some((k, apart)) = times.enumerate().find(|(_, apart)| *apart < (1.0 - ROUNDING) * step) {
                 let words =
                     format!("pose {} is {apart} s after the one before: expected at least a step, {step} s", k + 1);
                 at.fault(&format!("body.{i}.frames"), words);
@@ -366,7 +371,7 @@ impl SceneValues {
         let nodes = self.grid_values();
         if nodes > MAX_GRID_VALUES {
             let most = |body: &CheckedBody| {
-                let own = |solid: &Solid| solid.frames().map_or(solid.grid().values.len(), Frames::values);
+                let own = |solid: &Solid| solid.frames().map_or(solid.grid().values.len(), |frames| frames.values());
                 body.shape.solid().map_or(0, own)
             };
             let largest = (0..self.bodies.len()).max_by_key(|&i| most(&self.bodies[i])).unwrap_or_default();

@@ -11,13 +11,12 @@ use glam::{DMat3, DQuat, DVec3, Vec3};
 use crate::{
     curves::npz::MovingMesh,
     error::SceneError,
-    limits::MAX_GRID_VALUES,
     motion::{Keyframe, Motion, Pose},
     scene::Up,
     solid::MARGIN,
     triangles::{
         DistanceGrid, Triangles,
-        band::{Lattice, VALUES, parts},
+        band::{Lattice, MOST, VALUES, parts},
         tree::{Looks, Tree},
     },
 };
@@ -48,12 +47,15 @@ struct Skin {
     /// Triangles of its surface without holes, and the points of the mesh that each of its points is the mean of.
     surface: Vec<[u32; 3]>,
     sources: Vec<Vec<u32>>,
+    /// Points of the pose that others are fitted to, about the centre \[m\].
+    rest: Vec<DVec3>,
 }
 
 impl Skin {
     fn new(mesh: &Triangles) -> Self {
         let closed = mesh.close();
-        Self { corners: mesh.corners.clone(), surface: closed.surface.corners, sources: closed.sources }
+        let (surface, sources) = (closed.surface.corners, closed.sources);
+        Self { corners: mesh.corners.clone(), surface, sources, rest: mesh.points.clone() }
     }
 }
 
@@ -114,11 +116,17 @@ impl Frames {
         Ok((Self { motion: keyframes.into(), center, poses: all, skin, lattice }, first))
     }
 
-    /// A mesh that a caller moves, in its own place: it rests.
-    pub(crate) fn at_rest(triangles: &Triangles, center: DVec3, motion: Motion, spacing: f64) -> Self {
+    /// A mesh that a caller may let deform, as it is in its own place: it keeps its shape, and goes by a motion.
+    pub(crate) fn at_rest(
+        triangles: &Triangles,
+        center: DVec3,
+        motion: Motion,
+        spacing: f64,
+    ) -> Result<Self, SceneError> {
         let poses = vec![Arc::new(triangles.points.iter().map(|x| x.as_vec3()).collect())];
         let lattice = Lattice::about(bounds(&poses), spacing, MARGIN * spacing);
-        Self { motion, center, poses, skin: Arc::new(Skin::new(triangles)), lattice }
+        check_size(&lattice)?;
+        Ok(Self { motion, center, poses, skin: Arc::new(Skin::new(triangles)), lattice })
     }
 
     /// The mesh on the way from where it is at a time to these points \[m\] at another one \[s\].
@@ -126,12 +134,11 @@ impl Frames {
     /// # Errors
     /// [`SceneError`] where the grid that holds it would be too large.
     pub fn toward(&self, [from, to]: [f64; 2], points: &[DVec3]) -> Result<Self, SceneError> {
-        let rest: Vec<DVec3> = self.poses[0].iter().map(|x| x.as_dvec3()).collect();
         let before = self.motion.at(from);
         let phase = self.phase(from);
         // A pose that is there is taken as it is, with what has been baked of it.
         let now = if phase.part == 0.0 { self.poses[phase.pose].clone() } else { Arc::new(self.points(from)) };
-        let (fitted, own) = fit(self.center, &rest, before, points);
+        let (fitted, own) = fit(self.center, &self.skin.rest, before, points);
         let poses = vec![now, Arc::new(own)];
         let mut lattice = self.lattice;
         if !poses.iter().all(|pose| lattice.holds(pose)) {
@@ -142,6 +149,24 @@ impl Frames {
         }
         let motion = [keyframe(from, before), keyframe(to, fitted)].into();
         Ok(Self { motion, poses, lattice, ..self.clone() })
+    }
+
+    /// The mesh with other poses, which an earlier [`Self::toward`] has made.
+    #[must_use]
+    pub fn with_poses(&self, motion: Motion, poses: Vec<Arc<Vec<Vec3>>>, lattice: Lattice) -> Self {
+        Self { motion, poses, lattice, ..self.clone() }
+    }
+
+    /// The mesh at rest where the grid of another one holds it.
+    #[must_use]
+    pub fn on(&self, lattice: &Lattice) -> Self {
+        Self { lattice: *lattice, ..self.clone() }
+    }
+
+    /// Number of the mesh's points.
+    #[must_use]
+    pub fn points_count(&self) -> usize {
+        self.skin.rest.len()
     }
 
     /// Rigid part of the motion, about the centre, with a keyframe for each pose.
@@ -190,7 +215,7 @@ impl Frames {
     #[must_use]
     pub fn phase(&self, time: f64) -> Phase {
         let (pose, part) = self.motion.phase(time);
-        Phase { pose, part }
+        if pose + 1 < self.poses.len() { Phase { pose, part } } else { Phase { pose: self.poses.len() - 1, part: 0.0 } }
     }
 
     /// Points at a time \[s\], in the mesh's own place \[m\].
@@ -296,12 +321,11 @@ fn bounds(poses: &[Arc<Vec<Vec3>>]) -> [DVec3; 2] {
 /// A grid holds two poses.
 fn check_size(lattice: &Lattice) -> Result<(), SceneError> {
     let nodes: f64 = lattice.counts.iter().map(|count| f64::from(*count)).product();
-    let most = (MAX_GRID_VALUES / (2 * VALUES)) as f64;
-    if nodes <= most {
+    if nodes <= MOST {
         return Ok(());
     }
     let words = format!(
-        "a grid of {} m that holds all poses has {nodes:.2e} nodes; expected at most {most:.2e}",
+        "a grid of {} m that holds all poses has {nodes:.2e} nodes; expected at most {MOST:.2e}",
         lattice.spacing as f32
     );
     Err(SceneError::new(words).with_help("a larger resolution has fewer nodes").at("spacing", None))

@@ -24,6 +24,7 @@ use crate::{
         Key, Kind,
         Kind::{Choice, Length, Path as PathOf, Positive, Table},
     },
+    motion::Motion,
     reader::Reader,
     scatter::Areas,
     scene::{Scene, Up},
@@ -125,8 +126,10 @@ pub struct Solid {
     content: Arc<Content>,
     /// Rotation from the file's axes, after `up`, to the world's.
     rotation: DQuat,
-    /// Place of the file's origin in the world \[m\].
+    /// Place of the file's origin, or of the centre of its first pose, in the world \[m\].
     origin: DVec3,
+    /// Poses of a mesh that deforms.
+    frames: Option<Arc<Frames>>,
 }
 
 /// Content of a file, in metres.
@@ -139,7 +142,7 @@ struct Content {
     /// Radius of the largest ball that fits inside \[m\].
     inradius: f64,
     /// Poses of a mesh that deforms.
-    frames: Option<Frames>,
+    frames: Option<Arc<Frames>>,
 }
 
 /// How much there is, and not each of millions of numbers.
@@ -176,6 +179,7 @@ impl PartialEq for Solid {
             && Arc::ptr_eq(&self.content, &other.content)
             && self.rotation == other.rotation
             && self.origin == other.origin
+            && self.frames == other.frames
     }
 }
 
@@ -220,8 +224,9 @@ impl Solid {
 
     /// The solid of a content, where it was written.
     fn of(file: MeshFile, content: Arc<Content>) -> Self {
-        let origin = content.frames.as_ref().map_or(DVec3::ZERO, Frames::center);
-        Self { file: Arc::new(file), content, rotation: DQuat::IDENTITY, origin }
+        let frames = content.frames.clone();
+        let origin = frames.as_ref().map_or(DVec3::ZERO, |frames| frames.center());
+        Self { file: Arc::new(file), content, rotation: DQuat::IDENTITY, origin, frames }
     }
 
     /// The solid of a scene's mesh.
@@ -312,18 +317,23 @@ impl Solid {
 
     /// Poses of a mesh that deforms.
     #[must_use]
-    pub fn frames(&self) -> Option<&Frames> {
-        self.content.frames.as_ref()
+    pub fn frames(&self) -> Option<&Arc<Frames>> {
+        self.frames.as_ref()
     }
 
-    /// The solid of a mesh that goes through these poses.
+    /// The poses of a mesh that a caller may let deform, which has this motion: its own, or the one that it rests in.
+    ///
+    /// # Errors
+    /// [`SceneError`] where the grids of two poses would be too large.
+    pub fn poses(&self, motion: &Motion) -> Result<Arc<Frames>, SceneError> {
+        let at_rest = || Frames::at_rest(self.triangles(), self.origin, motion.clone(), self.grid().spacing);
+        self.frames.clone().map_or_else(|| at_rest().map(Arc::new), Ok)
+    }
+
+    /// The solid of the same mesh that goes through these poses.
     #[must_use]
-    pub fn with_frames(&self, frames: Frames) -> Self {
-        let Content { triangles, holes, covered, grid, inradius, .. } = &*self.content;
-        let (triangles, grid) = (triangles.clone(), grid.clone());
-        let (holes, covered, inradius) = (*holes, *covered, *inradius);
-        let content = Content { triangles, holes, covered, grid, inradius, frames: Some(frames) };
-        Self { content: Arc::new(content), ..self.clone() }
+    pub fn with_poses(&self, frames: Arc<Frames>) -> Self {
+        Self { frames: Some(frames), ..self.clone() }
     }
 
     /// The solid as it is at a time \[s\], in its own place.
@@ -337,7 +347,7 @@ impl Solid {
         let triangles = Triangles { points, normals: Vec::new(), ..triangles.clone() };
         let (holes, covered, inradius) = (*holes, *covered, *inradius);
         let content = Content { triangles, holes, covered, grid, inradius, frames: None };
-        Self { content: Arc::new(content), ..self.clone() }
+        Self { content: Arc::new(content), frames: None, ..self.clone() }
     }
 
     /// Whether both have one grid in memory.
@@ -403,7 +413,7 @@ impl Solid {
         let origin = place(self.origin);
         let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| place(self.place(axis)) - origin);
         let rotation = DQuat::from_mat3(&DMat3::from_cols(axes[0], axes[1], axes[2])).normalize();
-        Self { file: self.file.clone(), content: self.content.clone(), rotation, origin }
+        Self { rotation, origin, ..self.clone() }
     }
 
     /// Corners of the box about the triangles \[m\].
@@ -427,7 +437,7 @@ impl Content {
             Some("resolution") if file.resolution.is_some() => error,
             _ => error.at("frames", None),
         })?;
-        Ok(Self { frames: Some(frames), ..rest })
+        Ok(Self { frames: Some(Arc::new(frames)), ..rest })
     }
 
     fn new(triangles: Triangles, file: &MeshFile) -> Result<Self, SceneError> {

@@ -15,6 +15,8 @@ pub struct ForcingPlan {
     pub fringe: Decision,
     /// Whether pins go with bodies.
     pub pins: Decision,
+    /// Whether roots go with triangles of bodies that deform.
+    pub bonds: Decision,
 }
 
 pub(super) fn plan(setup: &Setup<'_>) -> ForcingPlan {
@@ -23,6 +25,7 @@ pub(super) fn plan(setup: &Setup<'_>) -> ForcingPlan {
     ForcingPlan {
         fringe: Decision::when(has_fringe, "air.fringe is 0"),
         pins: Decision::when(on_body, "no pin goes with a body"),
+        bonds: Decision::when(setup.sizes().bonds > 0, "no hair is on a body that deforms"),
     }
 }
 
@@ -35,6 +38,9 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     r.when(&c.hair, |r| {
         r.when(&c.recover, |r| {
             r.run(&forcing::RESET, "a strand that is not finite starts from rest", n.strands);
+        });
+        r.when(&plan.forcing.bonds, |r| {
+            r.run(&forcing::BONDS, "roots go with triangles", n.strands);
         });
         r.run(&forcing::ROOTS, "where clamps go", n.strands);
         r.when(&plan.forcing.pins, |r| {

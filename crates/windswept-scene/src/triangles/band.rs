@@ -4,11 +4,13 @@
 use std::ops::Range;
 
 use glam::{DVec3, Vec3};
+use serde::{Deserialize, Serialize};
 
 use super::{
     distance::{Near, rows_of, share, spread},
     tree::nearest,
 };
+use crate::limits::MAX_GRID_VALUES;
 
 /// Nodes about a triangle that are measured from it \[spacings\].
 const REACH: f64 = 1.5;
@@ -21,9 +23,11 @@ const MEASURED: f32 = 5.5;
 const ASIDE: [f64; 2] = [1.1e-8, 0.7e-8];
 /// Values at a node: the distance, and the move of the surface.
 pub(crate) const VALUES: usize = 4;
+/// Most nodes, of which there are the values of two poses.
+pub(crate) const MOST: f64 = (MAX_GRID_VALUES / (2 * VALUES)) as f64;
 
 /// Nodes of a grid of cubes.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Lattice {
     /// First node \[m\].
     pub origin: DVec3,
@@ -63,8 +67,9 @@ impl Lattice {
         self.counts.iter().map(|count| *count as usize).product()
     }
 
-    /// Whether all points are inside by two cells.
-    pub(crate) fn holds(&self, points: &[Vec3]) -> bool {
+    /// Whether all points are inside by two cells, in a grid that is not too large.
+    #[must_use]
+    pub fn holds(&self, points: &[Vec3]) -> bool {
         let last = DVec3::from_array(self.counts.map(|count| f64::from(count) - 3.0));
         points
             .iter()
