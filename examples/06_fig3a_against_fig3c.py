@@ -29,7 +29,7 @@ for name, label, color in [("fig3a", "eddies of 6 mm", "tab:blue"), ("fig3c", "e
     scene = ws.Scene.load(Path(__file__).parent / f"scenes/small/{name}.toml")
     if FEW:
         scene.time.frame_rate, scene.picture.hairs = 240, 1000
-        scene.camera.width, scene.camera.height = 320, 180
+        scene.camera = [ws.Camera(width=320, height=180)]
     sim = ws.Simulation(scene)
     tips = sim.hair.offsets[1:] - 1
     frames = [(frame.time, frame.hair.positions[tips, 2]) for frame in sim.frames(2 if FEW else 60)]

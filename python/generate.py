@@ -104,6 +104,9 @@ def attribute(own: dict[str, Any], classes: dict[str, str]) -> str:
     elif kind == "vector":
         got, taken = "NDArray[float64]", "ArrayLike"
         words.append('kind="vector"')
+    elif kind == "pairs":
+        got, taken = "list[list[float]]", "ArrayLike"
+        words.append('kind="pairs"')
     elif kind == "word":
         got = taken = f"Literal[{', '.join(map(json.dumps, own['words']))}]"
         if tables := own.get("tables", ()):

@@ -96,6 +96,7 @@ const COMMON: &[(&str, &str)] = &[
     ("rods.iterations", "3"),
     ("rods.newton", "2"),
     ("rods.damping", "4"),
+    ("hair.stiffness", "[[0, 4], [0.3, 1]]"),
 ];
 
 /// Keys that only hair outside the box of air feels in the model `particles`.
@@ -118,6 +119,27 @@ const OTHERS: &[Other] = &[
         ],
     ),
     (|scene| scene.hair[0].motion = Motion::default(), &[("hair.body", "'ball'")]),
+    (|_| {}, &[("air.follows", "'ball'")]),
+    (
+        |scene| scene.hair[0].pins = vec![Pin { at: Some(0.02), ..Pin::default() }],
+        &[("hair.pin.0.at", "0.03"), ("hair.pin.0.body", "'ball'")],
+    ),
+    (
+        |scene| scene.hair[0].pins = vec![Pin { fraction: Some(0.5), ..Pin::default() }],
+        &[("hair.pin.0.fraction", "0.8")],
+    ),
+    (
+        |scene| {
+            scene.time.settle = 0.01;
+            let ring = Ring { center: [0.05, 0.03, 0.025], radius: 0.002, normal: Some([1.0, 0.0, 0.0]) };
+            scene.hair[0].pins = vec![Pin { ring: Some(ring), ..Pin::default() }];
+        },
+        &[
+            ("hair.pin.0.ring.center", "[0.05, 0.032, 0.025]"),
+            ("hair.pin.0.ring.radius", "0.003"),
+            ("hair.pin.0.ring.normal", "[0, 1, 0]"),
+        ],
+    ),
     (
         |scene| {
             let stiffness = StrandStiffness { stretch: 10.0, bend: 1e-8, twist: 1e-8, poissons_ratio: 0.38 };
@@ -128,6 +150,18 @@ const OTHERS: &[Other] = &[
     (
         |scene| scene.bodies = vec![Body::capsule([0.045, 0.028, 0.02], [0.045, 0.028, 0.03], 0.008)],
         &[("body.radius", "0.0075"), ("body.start", "[0.045, 0.028, 0.015]"), ("body.end", "[0.045, 0.028, 0.035]")],
+    ),
+    (
+        |scene| scene.bodies = vec![Body::cuboid([0.045, 0.025, 0.025], [0.016, 0.012, 0.02])],
+        &[
+            ("body.center", "[0.046, 0.025, 0.025]"),
+            ("body.size", "[0.016, 0.014, 0.02]"),
+            ("body.rotation", "[0, 0, 0.4]"),
+        ],
+    ),
+    (
+        |scene| scene.bodies = vec![Body::plane([0.045, 0.03, 0.025], [0.0, 1.0, 0.0])],
+        &[("body.point", "[0.045, 0.031, 0.025]"), ("body.normal", "[0.2, 1, 0]")],
     ),
     (
         |scene| {
@@ -177,6 +211,7 @@ const UNSEEN: &[(&str, &str)] = &[
     ("picture", "drawn"),
     ("change", "later: tests/update.rs"),
     ("rods.sleep", "strands that rest"),
+    ("hair.clump", "followers: windswept-export/src/followers/tests.rs"),
     ("hair.file", "a file: windswept-scene/tests/groom_files.rs"),
     ("hair.scale", "a file"),
     ("hair.up", "a file"),
@@ -185,7 +220,6 @@ const UNSEEN: &[(&str, &str)] = &[
     ("hair.file_radius", "a file"),
     ("hair.file_guides", "a file"),
     ("hair.points_per_strand", "a file"),
-    ("hair.pin", "tests/pins.rs"),
     ("hair.roots.body", "a mesh: windswept-scene/tests/solids.rs"),
     ("hair.roots.group", "a mesh"),
     ("body.file", "a mesh"),

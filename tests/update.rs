@@ -56,6 +56,7 @@ fn changes() -> Vec<Change> {
         ("hair.youngs_modulus", |scene| {
             scene.hair[0].fibre.stiffness = Stiffness::Moduli(Moduli { youngs_modulus: 2e9, poissons_ratio: 0.38 });
         }),
+        ("hair.stiffness", |scene| scene.hair[0].stiffness = Some([[0.0, 4.0], [0.3, 1.0]].into())),
         ("hair.density", |scene| scene.hair[0].fibre.density = 1000.0),
         ("hair.friction", |scene| scene.hair[0].friction = 0.6),
         ("body.motion", |scene| {
@@ -63,7 +64,7 @@ fn changes() -> Vec<Change> {
             scene.bodies[0].motion = Motion::from(vec![keyframe(0.0, 0.0), keyframe(0.1, 0.02)]);
         }),
         ("force.strength", |scene| scene.forces[0].strength = Some(2.5)),
-        ("camera.fov", |scene| scene.camera.fov = 30.0),
+        ("camera.fov", |scene| scene.cameras = vec![Camera { fov: 30.0, ..Camera::default() }]),
     ]
 }
 

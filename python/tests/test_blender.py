@@ -36,6 +36,29 @@ bpy.ops.wm.usd_export(filepath=again, export_animation=True)
 """
 
 
+#: Says where in each frame hair, head and camera are, and how the camera sees the scene.
+TOGETHER = """
+import sys, bpy, numpy as np
+film, said = sys.argv[-2:]
+bpy.ops.wm.read_factory_settings(use_empty=True)
+bpy.ops.wm.usd_import(filepath=film, set_frame_range=True)
+of = lambda kind: next(found for found in bpy.data.objects if found.type == kind)
+scene = bpy.context.scene
+hair, heads, cameras = [], [], []
+for frame in range(scene.frame_start, scene.frame_end + 1):
+    scene.frame_set(frame)
+    for kind, all in [("CURVES", hair), ("MESH", heads)]:
+        now = of(kind).evaluated_get(bpy.context.evaluated_depsgraph_get())
+        position = np.empty(3 * len(now.data.attributes["position"].data), np.float32)
+        now.data.attributes["position"].data.foreach_get("vector", position)
+        matrix = np.array(now.matrix_world)
+        all.append(position.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3])
+    cameras.append(np.array(of("CAMERA").matrix_world))
+lens = of("CAMERA").data
+np.savez(said, hair=hair, heads=heads, cameras=cameras, angle=[lens.angle_x, lens.angle_y])
+"""
+
+
 @pytest.fixture
 def blender():
     python = os.environ.get("WINDSWEPT_BLENDER")
@@ -83,6 +106,61 @@ def test_a_film_goes_through_blender(tmp_path, blender, film, followers):
                 np.testing.assert_array_equal(again["ids"], ours["ids"])
                 # Strands, order and places to 1e-6, as the unit says.
                 np.testing.assert_allclose(again["points"] * again["meters_per_unit"], positions, rtol=0, atol=1e-6)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize("film, units", [("hair.usda", []), ("film.usdc", []), ("film.usdc", ["--up", "z", "--scale", "0.01"])])
+def test_hair_head_and_camera_move_together(tmp_path, blender, film, units):
+    radius, centre, turn = 0.03, np.array([0.01, 0.02, -0.01]), 1.2
+    (tmp_path / "scene.toml").write_text(f"""
+time = {{ step = 0.0016666666666666668, duration = 0.1, frame_rate = 60 }}
+interaction.model = "none"
+gravity = [0, 0, 0]
+camera = {{ eye = [0.1, 0.2, 0.4], target = [0.0, 0.01, 0.0], fov = 40, width = 640, height = 400 }}
+[hair]
+body = "head"
+strands = 40
+points = 8
+length = 0.05
+roots = {{ shape = "sphere_cap", center = {centre.tolist()}, radius = {radius} }}
+[[body]]
+name = "head"
+center = {centre.tolist()}
+radius = {radius}
+motion = [{{ time = 0 }}, {{ time = 0.1, translation = [0.05, 0.02, -0.03], rotation = [0, {turn}, 0] }}]
+""")
+    out = tmp_path / "out"
+    command = [sys.executable, "-m", "windswept"]
+    done([*command, "run", tmp_path / "scene.toml", "--out", out, "--formats", "vtkhdf,usd"])
+    done([*command, "export", out, "--format", "npz"])
+    if film != "hair.usda":
+        done([*command, "export", out, "--format", "usdc", *units])
+    done([blender, "-c", TOGETHER, out / film, tmp_path / "said.npz"])
+
+    def to_blender(x):
+        return np.stack([x[..., 0], -x[..., 2], x[..., 1]], axis=-1)
+
+    with np.load(out / "film.npz") as ours, np.load(tmp_path / "said.npz") as said:
+        assert len(said["hair"]) == 7
+        np.testing.assert_allclose(said["hair"], to_blender(ours["positions"]), rtol=0, atol=1e-6)
+        roots = ours["offsets"][:-1]
+        for frame in range(7):
+            part = frame / 6
+            middle = to_blender(centre + part * np.array([0.05, 0.02, -0.03]))
+            off = np.linalg.norm(said["heads"][frame] - middle, axis=1) - radius
+            assert np.abs(off).max() < 1e-6
+            # Roots stay where they are on the head: in its own axes both are at rest.
+            cos, sin = np.cos(turn * part), np.sin(turn * part)
+            back = np.array([[cos, sin, 0], [-sin, cos, 0], [0, 0, 1]])
+            for all in (said["heads"], said["hair"][:, roots]):
+                still = (all[frame] - middle) @ back.T
+                np.testing.assert_allclose(still, all[0] - to_blender(centre), rtol=0, atol=2e-6)
+        eye, aim = np.array([0.1, 0.2, 0.4]), np.array([-0.1, -0.19, -0.4])
+        for camera in said["cameras"]:
+            np.testing.assert_allclose(camera[:3, 3], to_blender(eye), rtol=0, atol=1e-6)
+            np.testing.assert_allclose(-camera[:3, 2] / np.linalg.norm(camera[:3, 2]), to_blender(aim / np.linalg.norm(aim)), atol=1e-6)
+        half = np.tan(np.radians(40) / 2) * np.array([640 / 400, 1])
+        np.testing.assert_allclose(np.tan(said["angle"] / 2), half, rtol=1e-5)
 
 
 def done(command):

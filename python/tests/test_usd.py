@@ -54,20 +54,153 @@ def test_a_stage_becomes_a_groom(tmp_path):
     assert abs(groom.points - 0.01 * (placed[:, [0, 2, 1]] * [1, 1, -1])).max() < 1e-7
 
 
-def test_curves_that_leave_their_vertices_are_refused(tmp_path):
-    points = np.cumsum(np.random.default_rng(3).normal(size=(11, 3)), axis=0)
-    for basis, wrap in [("bspline", "nonperiodic"), ("catmullRom", "nonperiodic"), ("catmullRom", "periodic")]:
+def loaded(path):
+    """The arrays of what becomes of a stage."""
+    with np.load(path) as file:
+        return {name: file[name] for name in file.files}
+
+
+def test_curves_of_every_basis_are_evaluated(tmp_path):
+    # A cubic in t through every basis: a curve that its own vertices lie on for none of them but two.
+    rng = np.random.default_rng(3)
+    a = rng.normal(size=(4, 3))
+
+    def cubic(t, derivative=0):
+        t = np.asarray(t, float)[:, None]
+        powers = [np.ones_like(t), t, t**2, t**3] if derivative == 0 else [0 * t, np.ones_like(t), 2 * t, 3 * t**2]
+        return sum(c * power for c, power in zip(a, powers))
+
+    k = np.arange(-1.0, 5.0)
+    # The vertices of a uniform B-spline that is the cubic: its blossom at (k - 1, k, k + 1).
+    blossom = a[0] + np.outer(k, a[1]) + np.outer(k**2 - 1 / 3, a[2]) + np.outer(k**3 - k, a[3])
+    control = np.concatenate([[cubic([i])[0], cubic([i])[0] + cubic([i], 1)[0] / 3, cubic([i + 1])[0] - cubic([i + 1], 1)[0] / 3] for i in range(3)] + [cubic([3])])
+    thirds = np.arange(10) / 3
+    cases = [
+        ("bspline", "nonperiodic", blossom, cubic(range(4))),
+        ("bspline", "pinned", blossom, np.concatenate([blossom[:1], cubic(range(4)), blossom[-1:]])),
+        ("catmullRom", "nonperiodic", cubic(k), cubic(range(4))),
+        ("catmullRom", "pinned", cubic(k), cubic(k)),
+        ("bezier", "nonperiodic", control, cubic(thirds)),
+    ]
+    for basis, wrap, vertices, expected in cases:
         path = tmp_path / f"{basis}_{wrap}.usda"
-        stage_of(path, points, [4, 7], basis=basis, wrap=wrap)
-        with pytest.raises(ValueError, match=r"\.usda: /Head/Hair: expected curves"):
-            ws.usd.to_npz(path, tmp_path / "no.npz")
-    stage_of(tmp_path / "bezier.usda", points, [4, 7], basis="bezier", wrap="nonperiodic")
-    assert ws.usd.to_npz(tmp_path / "bezier.usda", tmp_path / "bezier.npz") == 2
-    with np.load(tmp_path / "bezier.npz") as file:
-        assert file["offsets"].tolist() == [0, 2, 5]
+        stage_of(path, np.concatenate([vertices, vertices + 1]), [len(vertices)] * 2, basis=basis, wrap=wrap)
+        assert ws.usd.to_npz(path, tmp_path / "groom.npz") == 2
+        made = loaded(tmp_path / "groom.npz")
+        placed = 2 * np.concatenate([expected, expected + 1]) + [1, 2, 3]
+        np.testing.assert_allclose(made["points"], placed[:, [0, 2, 1]] * [1, 1, -1], rtol=0, atol=1e-4, err_msg=basis + wrap)
+    stage = usd.Stage.CreateNew(str(tmp_path / "others.usda"))
+    hermite = UsdGeom.HermiteCurves.Define(stage, "/Hermite")
+    hermite.GetCurveVertexCountsAttr().Set([4])
+    hermite.GetPointsAttr().Set(Vt.Vec3fArray.FromNumpy(cubic(range(4)).astype(np.float32)))
+    hermite.GetTangentsAttr().Set(Vt.Vec3fArray.FromNumpy(cubic(range(4), 1).astype(np.float32)))
+    # Half of the unit circle: the points of the square about it, by a rational curve of the second degree.
+    circle = UsdGeom.NurbsCurves.Define(stage, "/Circle")
+    circle.GetCurveVertexCountsAttr().Set([5])
+    circle.GetPointsAttr().Set([(1, 0, 0), (1, 1, 0), (0, 1, 0), (-1, 1, 0), (-1, 0, 0)])
+    circle.GetOrderAttr().Set([3])
+    circle.GetKnotsAttr().Set([0, 0, 0, 1, 1, 2, 2, 2])
+    circle.GetPointWeightsAttr().Set([1, 0.5**0.5, 1, 0.5**0.5, 1])
+    stage.GetRootLayer().Save()
+    assert ws.usd.to_npz(tmp_path / "others.usda", tmp_path / "groom.npz") == 2
+    made = loaded(tmp_path / "groom.npz")
+    assert made["offsets"].tolist() == [0, 10, 15]
+    np.testing.assert_allclose(made["points"][:10], cubic(thirds), rtol=0, atol=1e-4)
+    half = made["points"][10:]
+    np.testing.assert_allclose(np.hypot(*half[:, :2].T), 1, rtol=0, atol=1e-6)
+    np.testing.assert_allclose(half[[0, 2, 4]], [(1, 0, 0), (0, 1, 0), (-1, 0, 0)], rtol=0, atol=1e-6)
+
+
+def test_widths_of_bezier_curves_vary(tmp_path):
+    points = np.cumsum(np.random.default_rng(3).normal(size=(11, 3)), axis=0)
+    stage = stage_of(tmp_path / "groom.usda", points, [4, 7], basis="bezier", wrap="nonperiodic")
+    # One for each end of a segment.
+    UsdGeom.BasisCurves(stage.GetPrimAtPath("/Head/Hair")).GetWidthsAttr().Set([1, 4, 1, 7, 1])
+    stage.GetRootLayer().Save()
+    assert ws.usd.to_npz(tmp_path / "groom.usda", tmp_path / "groom.npz") == 2
+    # The stage scales by 2, a radius is half a width.
+    np.testing.assert_allclose(loaded(tmp_path / "groom.npz")["radius"], [1, 2, 3, 4, 1, 3, 5, 7, 5, 3, 1], rtol=1e-6)
+
+
+def test_periodic_curves_are_left_out_by_name(tmp_path):
+    points = np.cumsum(np.random.default_rng(3).normal(size=(11, 3)), axis=0)
+    stage = stage_of(tmp_path / "groom.usda", points, [4, 7])
+    Sdf.CopySpec(stage.GetRootLayer(), "/Head/Hair", stage.GetRootLayer(), "/Head/Ring")
+    UsdGeom.BasisCurves(stage.GetPrimAtPath("/Head/Ring")).GetWrapAttr().Set("periodic")
+    stage.GetRootLayer().Save()
+    with pytest.warns(UserWarning, match="groom.usda: /Head/Ring is periodic, and is left out"):
+        assert ws.usd.to_npz(tmp_path / "groom.usda", tmp_path / "groom.npz") == 2
     (tmp_path / "empty.usda").write_text("#usda 1.0\n")
-    with pytest.raises(ValueError, match="BasisCurves, found none"):
+    with pytest.raises(ValueError, match="curves with points, found none$"):
         ws.usd.to_npz(tmp_path / "empty.usda", tmp_path / "no.npz")
+
+
+def test_guides_are_marked_and_invisible_prims_left_out(tmp_path):
+    points = np.cumsum(np.random.default_rng(3).normal(size=(11, 3)), axis=0)
+    stage = stage_of(tmp_path / "groom.usda", points, [4, 7])
+    stage.GetPrimAtPath("/Head/Hair").RemoveProperty("primvars:groom_guide")
+    for name in ("Guides", "Hidden", "Proxy"):
+        Sdf.CopySpec(stage.GetRootLayer(), "/Head/Hair", stage.GetRootLayer(), f"/Head/{name}")
+    for name, purpose in [("Guides", "guide"), ("Proxy", "proxy")]:
+        UsdGeom.Imageable(stage.GetPrimAtPath(f"/Head/{name}")).GetPurposeAttr().Set(purpose)
+    UsdGeom.Imageable(stage.GetPrimAtPath("/Head/Hidden")).MakeInvisible()
+    stage.GetRootLayer().Save()
+    with pytest.warns(UserWarning) as said:
+        assert ws.usd.to_npz(tmp_path / "groom.usda", tmp_path / "groom.npz") == 4
+    words = [str(warning.message) for warning in said]
+    assert any("/Head/Hidden is invisible, and is left out" in word for word in words)
+    assert any("/Head/Proxy is a stand-in, of purpose proxy, and is left out" in word for word in words)
+    # The stage keeps the order in which its prims were made.
+    assert loaded(tmp_path / "groom.npz")["guides"].tolist() == [False, False, True, True]
+
+
+def test_the_first_sample_is_taken_where_there_are_samples(tmp_path):
+    points = np.cumsum(np.random.default_rng(3).normal(size=(11, 3)), axis=0)
+    stage = stage_of(tmp_path / "groom.usda", points, [4, 7], type="linear")
+    attribute = UsdGeom.BasisCurves(stage.GetPrimAtPath("/Head/Hair")).GetPointsAttr()
+    for time in (3, 8):
+        attribute.Set(Vt.Vec3fArray.FromNumpy((points + time).astype(np.float32)), time)
+    stage.GetRootLayer().Save()
+    for time, shift in [(None, 3), (3, 3), (8, 8), (5.5, 5.5)]:
+        ws.usd.to_npz(tmp_path / "groom.usda", tmp_path / "groom.npz", time=time)
+        placed = 2 * (points + shift) + [1, 2, 3]
+        np.testing.assert_allclose(loaded(tmp_path / "groom.npz")["points"], placed[:, [0, 2, 1]] * [1, 1, -1], rtol=0, atol=1e-4)
+
+
+def test_instances_of_point_instancers_are_there(tmp_path):
+    points = np.cumsum(np.random.default_rng(3).normal(size=(11, 3)), axis=0)
+    stage_of(tmp_path / "tuft.usda", points, [4, 7])
+    stage = usd.Stage.CreateNew(str(tmp_path / "field.usda"))
+    field = UsdGeom.PointInstancer.Define(stage, "/Field")
+    field.AddTranslateOp().Set(Gf.Vec3d(0, 0, 50))
+    tuft = UsdGeom.Xform.Define(stage, "/Field/Tuft")
+    tuft.GetPrim().GetReferences().AddReference("./tuft.usda", "/Head")
+    field.CreatePrototypesRel().SetTargets([tuft.GetPath()])
+    field.CreateProtoIndicesAttr().Set([0, 0, 0, 0])
+    field.CreatePositionsAttr().Set([(0, 0, 0), (10, 0, 0), (20, 0, 0), (30, 0, 0)])
+    # A quarter about z: (x, y, z) becomes (-y, x, z).
+    turn = Gf.Quath(0.5**0.5, Gf.Vec3h(0, 0, 0.5**0.5))
+    field.CreateOrientationsAttr().Set([Gf.Quath(1), turn, Gf.Quath(1), Gf.Quath(1)])
+    field.CreateInvisibleIdsAttr().Set([2])
+    stage.GetRootLayer().Save()
+    with pytest.warns(UserWarning, match="4 of 6 curves have the groom_id"):
+        assert ws.usd.to_npz(tmp_path / "field.usda", tmp_path / "field.npz") == 6
+    first, second, last = np.split(loaded(tmp_path / "field.npz")["points"], 3)
+    placed = 2 * points + [1, 2, 3]
+    np.testing.assert_allclose(first, placed + [0, 0, 50], rtol=0, atol=1e-4)
+    # Quaternions have half precision.
+    np.testing.assert_allclose(second, placed[:, [1, 0, 2]] * [-1, 1, 1] + [10, 0, 50], rtol=0, atol=0.03)
+    np.testing.assert_allclose(last, placed + [30, 0, 50], rtol=0, atol=1e-4)
+
+
+def test_primvars_are_inherited(tmp_path):
+    points = np.cumsum(np.random.default_rng(3).normal(size=(11, 3)), axis=0)
+    stage = stage_of(tmp_path / "groom.usda", points, [4, 7])
+    above = UsdGeom.PrimvarsAPI(stage.GetPrimAtPath("/Head"))
+    above.CreatePrimvar("groom_group_id", Sdf.ValueTypeNames.Int, UsdGeom.Tokens.constant).Set(5)
+    stage.GetRootLayer().Save()
+    assert ws.usd.to_npz(tmp_path / "groom.usda", tmp_path / "groom.npz") == 2
+    assert loaded(tmp_path / "groom.npz")["groups"].tolist() == [5, 5]
 
 
 def test_a_file_that_usd_cannot_read_is_a_value_error(tmp_path):
@@ -129,7 +262,7 @@ def test_prims_without_points_are_left_out_by_name(tmp_path):
         assert ws.usd.to_npz(tmp_path / "groom.usda", tmp_path / "groom.npz") == 2
     stage.RemovePrim("/Head/Hair")
     stage.GetRootLayer().Save()
-    with pytest.raises(ValueError, match="BasisCurves with points, found none in /Head/Bald, /Head/Cut"):
+    with pytest.raises(ValueError, match="curves with points, found none: /Head/Bald, /Head/Cut has no points"):
         ws.usd.to_npz(tmp_path / "groom.usda", tmp_path / "no.npz")
 
 
@@ -167,11 +300,11 @@ def test_what_only_some_prims_have_is_left_out_by_name(tmp_path):
     [
         ("groom_id", "int[]", [7], r"expected 2 numbers, one for each curve, found 1 of type int\[\]"),
         ("groom_group_id", "int[]", [1, 2, 3], r"expected 2 numbers, one for each curve, found 3 of type int\[\]"),
-        ("groom_guide", "int", 1, "expected 2 numbers, one for each curve, found 1 of type int"),
-        ("groom_root_uv", "texCoord2f", (0.5, 0.5), "expected 2 pairs of numbers, one for each curve, found 1 of type texCoord2f"),
+        ("groom_guide", "int[]", [1, 2, 3], r"expected 2 numbers, one for each curve, found 3 of type int\[\]"),
+        ("groom_guide", "string", "x", "expected 2 numbers, one for each curve, found 1 of type string"),
         ("groom_root_uv", "float3[]", [(0, 0, 0)] * 2, r"expected 2 pairs of numbers, one for each curve, found 2 of type float3\[\]"),
         ("surface_uv_coordinate", "float2[]", [(0, 0)] * 11, r"expected 2 pairs of numbers, .*, found 11 of type float2\[\]"),
-        ("widths", "float[]", [0.1, 0.2, 0.3], r"expected 11, 2 or 1 numbers, for each point, each curve or all, found 3 of type float\[\]"),
+        ("widths", "float[]", [0.1, 0.2, 0.3], r"expected 11, 11, 2 or 1 numbers, for each point, each end of a segment, each curve or all, found 3 of type float\[\]"),
     ],
 )
 def test_what_is_not_one_for_each_curve_is_left_out_by_name(tmp_path, primvar, kind, value, words):

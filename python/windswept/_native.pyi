@@ -498,16 +498,31 @@ class Simulation:
         Raises:
             ValueError: names the argument that has not a row for each point or segment, or numbers beyond 1e18.
         """
-    def render(self, width: int | None = None, height: int | None = None) -> NDArray[np.uint8]:
+    def render(
+        self,
+        width: int | None = None,
+        height: int | None = None,
+        *,
+        camera: str | None = None,
+        eye: _Array | None = None,
+        target: _Array | None = None,
+        fov: float | None = None,
+    ) -> NDArray[np.uint8]:
         """A picture of the hair now, as the command draws it: `(height, width, 4)` uint8, sRGB, opaque.
 
-        The scene's [camera] and [picture] say from where and what: `scene.replace(**{"camera.fov": 20})` before the
-        simulation is made.
+        The scene's [camera] and [picture] say from where and what, unless these arguments do.
+
+            sim.render(eye=[0.3, 0.1, 0.2], target=[0, 0, 0])
+            sim.render(camera="side")
 
         Args:
-            width, height: [px]; None: the scene's.
+            width, height: [px]; None: those of the scene's camera.
+            camera: name of one of the scene's cameras; None: the first.
+            eye, target: `(3,)` [m], place and aim of the camera; None: those of the scene's camera.
+            fov: vertical field of view [degrees]; None: that of the scene's camera.
 
         Raises:
+            ValueError: there is no such camera, or an argument is no such value.
             ExportError: there is no strand to draw, or the adapter cannot.
         """
     def save(self, path: _Path) -> None:

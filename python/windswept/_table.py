@@ -79,6 +79,11 @@ class Key(Generic[Got, Taken]):
             if not (isinstance(own, list) and len(own) == 3 and all(isinstance(x, (int, float)) for x in own)):
                 raise self._fault(f"expected three numbers, [x, y, z], found {value!r}")
             own = [float(x) for x in own]
+        elif self.kind == "pairs":
+            own = plain(own)
+            if not (isinstance(own, list) and own and all(isinstance(pair, list) and len(pair) == 2 for pair in own)):
+                raise self._fault(f"expected pairs [part of the length, factor], found {value!r}")
+            own = [[float(part), float(factor)] for part, factor in own]
         vars(table)[self.name] = own if self.kind in ("table", "tables") else plain(own)
 
     def parameter(self) -> inspect.Parameter:

@@ -20,6 +20,8 @@ __all__ = [
     "Cap",
     "Capsule",
     "Change",
+    "Clump",
+    "Cuboid",
     "Curl",
     "DirectFilter",
     "Disc",
@@ -34,6 +36,9 @@ __all__ = [
     "Line",
     "MeshFile",
     "Picture",
+    "Pin",
+    "Plane",
+    "Ring",
     "Rods",
     "Scalp",
     "Scene",
@@ -148,6 +153,21 @@ class Scalp(Table):
     """
 
 
+class Clump(Table):
+    """Locks that the hairs gather to which follow the strands, in pictures and films: `[hair.clump]`."""
+
+    _path = "hair.clump"
+
+    size: Key[float, float] = key()
+    """Distance from each centre's root to the next. A length in metres greater than 0. Needed."""
+    strength: Key[float, float] = key(default=0.8)
+    """Part of the way to its centre that a hair's tip is drawn; its root stays, and between them the part grows with
+    the length. A number above 0, at most 1. Default 0.8.
+    """
+    noise: Key[float, float] = key(default=0.0)
+    """Part of the strength that hairs go without at most, drawn at random. A number from 0 to below 1. Default 0.0."""
+
+
 class Keyframe(Table):
     """Keyframes of the roots, about the centre of their shape, or about the origin of a groom file; not with a body:
     `[hair.motion]`. Keyframes of the body, about its centre, or about the origin of its mesh file: `[body.motion]`.
@@ -164,6 +184,42 @@ class Keyframe(Table):
     rotation: Key[NDArray[float64], ArrayLike] = key(default=[0.0, 0.0, 0.0], kind="vector")
     """Rotation vector of R, axis times angle, about the thing's centre. Three numbers, [x, y, z] [rad]. Default [0.0,
     0.0, 0.0].
+    """
+
+
+class Ring(Table):
+    """Hair tie that gathers the strands while hair settles (time.settle): `[hair.pin.ring]`."""
+
+    _path = "hair.pin.ring"
+
+    center: Key[NDArray[float64], ArrayLike] = key(kind="vector")
+    """Centre of the ring, where the body is written. Three numbers, [x, y, z] [m]. Needed."""
+    radius: Key[float, float] = key()
+    """Radius of the bundle of strands. A length in metres greater than 0. Needed."""
+    normal: Key[NDArray[float64] | None, ArrayLike | None] = key(default=None, kind="vector")
+    """Normal of the ring, a unit vector. Three numbers, [x, y, z], not all 0. Without it: away from the mean of the
+    roots.
+    """
+
+
+class Pin(Table):
+    """Places along the strands that are held: at a body, or by a hair tie: `[hair.pin]`."""
+
+    _path = "hair.pin"
+
+    at: Key[float | None, float | None] = key(default=None)
+    """Length of the strand from its root to the pin; the nearest point of the strand is held. A number greater than 0
+    [m]. Without it: that to the ring around the body.
+    """
+    fraction: Key[float | None, float | None] = key(default=None)
+    """Part of the strand's length from its root to the pin, in place of at. A number from 0 to below 1. Without it: at
+    says it.
+    """
+    body: Key[str | None, str | None] = key(default=None)
+    """Name of the body that the pin goes with. A string. Without it: that of the hair, else none: it rests."""
+    ring: Key[Ring | None, Ring | None] = key(default=None, of=Ring, kind="table")
+    """Hair tie that gathers the strands while hair settles (time.settle). Without it: strands are held where they
+    start.
     """
 
 
@@ -257,6 +313,14 @@ class Hair(Table):
     """Mass of every point; the paper's is 1.46e-7. A number greater than 0 [kg]. Without it: half of each adjoining
     segment's mass.
     """
+    stiffness: Key[list[list[float]] | None, ArrayLike | None] = key(default=None, kind="pairs")
+    """Factor of the stiffness to bend and twist along the strands, linear between its pairs: stiffer roots are \[\[0,
+    4\], \[0.3, 1\]\]. Pairs [part of the length, factor] with parts from 0 to 1 that rise and factors above 0. Without
+    it: 1 from root to tip.
+    """
+    clump: Key[Clump | None, Clump | None] = key(default=None, of=Clump, kind="table")
+    """Locks that the hairs gather to which follow the strands, in pictures and films. Without it: they do not gather.
+    """
     friction: Key[float, float] = key(default=0.3)
     """Coulomb's coefficient of friction of the strands on other strands, of a pair the smaller one; two-way only. A
     number of at least 0. Default 0.3.
@@ -279,6 +343,8 @@ class Hair(Table):
     """Keyframes of the roots, about the centre of their shape, or about the origin of a groom file; not with a body.
     Without it: roots rest, or move as their body.
     """
+    pin: Key[list[Pin], Pin | Sequence[Pin]] = key(factory=list, of=Pin, kind="tables")
+    """Places along the strands that are held: at a body, or by a hair tie. Without it: no pins."""
 
 
 class Sphere(Table):
@@ -288,7 +354,7 @@ class Sphere(Table):
     _word = ("shape", "sphere")
 
     center: Key[NDArray[float64], ArrayLike] = key(kind="vector")
-    """Centre of the sphere. Three numbers, [x, y, z] [m]. Needed."""
+    """Centre of the sphere or of the box. Three numbers, [x, y, z] [m]. Needed."""
     radius: Key[float, float] = key()
     """Radius of the sphere, or about the capsule's axis. A length in metres greater than 0. Needed."""
 
@@ -305,6 +371,36 @@ class Capsule(Table):
     """Start of the capsule's axis. Three numbers, [x, y, z] [m]. Needed."""
     end: Key[NDArray[float64], ArrayLike] = key(kind="vector")
     """End of the capsule's axis. Three numbers, [x, y, z] [m]. Needed."""
+
+
+class Cuboid(Table):
+    """All points of a box with sharp edges. `body.shape = "box"`."""
+
+    _path = "body"
+    _word = ("shape", "box")
+
+    center: Key[NDArray[float64], ArrayLike] = key(kind="vector")
+    """Centre of the sphere or of the box. Three numbers, [x, y, z] [m]. Needed."""
+    size: Key[NDArray[float64], ArrayLike] = key(kind="vector")
+    """Sides of the box along its own axes. Three numbers, [x, y, z] [m]. Needed."""
+    rotation: Key[NDArray[float64], ArrayLike] = key(default=[0.0, 0.0, 0.0], kind="vector")
+    """Rotation vector of the box about its centre, axis times angle. Three numbers, [x, y, z] [rad]. Default [0.0, 0.0,
+    0.0].
+    """
+
+
+class Plane(Table):
+    """All points behind a plane. `body.shape = "plane"`."""
+
+    _path = "body"
+    _word = ("shape", "plane")
+
+    point: Key[NDArray[float64], ArrayLike] = key(kind="vector")
+    """A point of the plane, about which it turns, and about which a square of 2 m of it is drawn. Three numbers, [x, y,
+    z] [m]. Needed.
+    """
+    normal: Key[NDArray[float64], ArrayLike] = key(kind="vector")
+    """Normal of the plane, away from the body. Three numbers, [x, y, z], not all 0. Needed."""
 
 
 class MeshFile(Table):
@@ -324,8 +420,8 @@ class MeshFile(Table):
     "y", "z", "x", "yzx", "zxy", "xzy", "yxz", "zyx". Default "y".
     """
     resolution: Key[float | None, float | None] = key(default=None)
-    """Spacing of the grid of distances from the mesh. A length in metres greater than 0. Without it: 0.002, or less:
-    128 cells along its longest side.
+    """Spacing of the grid of distances from the mesh. A length in metres greater than 0. Without it: 0.002; less for a
+    small mesh: 128 cells along its longest side; more for one whose grid would be too large.
     """
 
 
@@ -336,12 +432,12 @@ class Body(Table):
 
     name: Key[str, str] = key(default="body")
     """Name of the body, for dotted keys and errors. A string. Default "body"."""
-    shape: Key[Literal["sphere", "capsule", "mesh"], Literal["sphere", "capsule", "mesh"] | Sphere | Capsule | MeshFile] = key(default="sphere", of=(Sphere, Capsule, MeshFile), kind="word")
-    """Shape of the body: with center and radius, with start, end and radius, or with file. One of "sphere", "capsule",
-    "mesh". Default "sphere".
+    shape: Key[Literal["sphere", "capsule", "box", "plane", "mesh"], Literal["sphere", "capsule", "box", "plane", "mesh"] | Sphere | Capsule | Cuboid | Plane | MeshFile] = key(default="sphere", of=(Sphere, Capsule, Cuboid, Plane, MeshFile), kind="word")
+    """Shape of the body: with center and radius, with start, end and radius, with center and size, with point and
+    normal, or with file. One of "sphere", "capsule", "box", "plane", "mesh". Default "sphere".
     """
     center: Key[NDArray[float64] | None, ArrayLike | None] = key(default=None, kind="vector")
-    """Centre of the sphere. Three numbers, [x, y, z] [m]. Without it: needed with shape sphere."""
+    """Centre of the sphere or of the box. Three numbers, [x, y, z] [m]. Without it: needed with shape sphere."""
     radius: Key[float | None, float | None] = key(default=None)
     """Radius of the sphere, or about the capsule's axis. A length in metres greater than 0. Without it: needed with
     shape sphere.
@@ -350,6 +446,20 @@ class Body(Table):
     """Start of the capsule's axis. Three numbers, [x, y, z] [m]. Without it: needed with shape capsule."""
     end: Key[NDArray[float64] | None, ArrayLike | None] = key(default=None, kind="vector")
     """End of the capsule's axis. Three numbers, [x, y, z] [m]. Without it: needed with shape capsule."""
+    size: Key[NDArray[float64] | None, ArrayLike | None] = key(default=None, kind="vector")
+    """Sides of the box along its own axes. Three numbers, [x, y, z] [m]. Without it: needed with shape box."""
+    rotation: Key[NDArray[float64], ArrayLike] = key(default=[0.0, 0.0, 0.0], kind="vector")
+    """Rotation vector of the box about its centre, axis times angle. Three numbers, [x, y, z] [rad]. Default [0.0, 0.0,
+    0.0].
+    """
+    point: Key[NDArray[float64] | None, ArrayLike | None] = key(default=None, kind="vector")
+    """A point of the plane, about which it turns, and about which a square of 2 m of it is drawn. Three numbers, [x, y,
+    z] [m]. Without it: needed with shape plane.
+    """
+    normal: Key[NDArray[float64] | None, ArrayLike | None] = key(default=None, kind="vector")
+    """Normal of the plane, away from the body. Three numbers, [x, y, z], not all 0. Without it: needed with shape
+    plane.
+    """
     file: Key[str | None, str | None] = key(default=None)
     """Mesh file whose triangles enclose the body (.obj, .ply, .glb). A path relative to the scene's folder. Without it:
     needed with shape mesh.
@@ -363,8 +473,8 @@ class Body(Table):
     "y", "z", "x", "yzx", "zxy", "xzy", "yxz", "zyx". Default "y".
     """
     resolution: Key[float | None, float | None] = key(default=None)
-    """Spacing of the grid of distances from the mesh. A length in metres greater than 0. Without it: 0.002, or less:
-    128 cells along its longest side.
+    """Spacing of the grid of distances from the mesh. A length in metres greater than 0. Without it: 0.002; less for a
+    small mesh: 128 cells along its longest side; more for one whose grid would be too large.
     """
     friction: Key[float, float] = key(default=0.3)
     """Coulomb's coefficient of friction of hair on the body. A number of at least 0. Default 0.3."""
@@ -504,6 +614,10 @@ class Air(Table):
     """
     seed: Key[int | None, int | None] = key(default=None)
     """Seed that draws jitter and inflow. A whole number of at least 0, at most 4294967295. Without it: seed."""
+    follows: Key[str | None, str | None] = key(default=None)
+    """Name of a body whose translation the box goes with: what is not held feels it as a wind against the motion.
+    Frames and files are in the world. A string. Without it: the box stands still.
+    """
     inflow: Key[Inflow | None, Inflow | None] = key(default=None, of=Inflow, kind="table")
     """Turbulence that enters with the wind. Without it: that of turbulence.scale and intensity, unless
     turbulence.inflow = false.
@@ -694,10 +808,12 @@ class Rods(Table):
 
 
 class Camera(Table):
-    """Camera that pictures are taken with: `[camera]`."""
+    """Cameras; several as [[camera]], each with a name. A run's pictures are taken with the first: `[camera]`."""
 
     _path = "camera"
 
+    name: Key[str, str] = key(default="camera")
+    """Name of the camera, for dotted keys and to choose it by. A string. Default "camera"."""
     eye: Key[NDArray[float64] | None, ArrayLike | None] = key(default=None, kind="vector")
     """Place of the camera; eye and target go together. Three numbers, [x, y, z] [m]. Without it: frames the hair."""
     target: Key[NDArray[float64] | None, ArrayLike | None] = key(default=None, kind="vector")
@@ -779,8 +895,10 @@ class Scene(SceneTable):
     """XSPH viscosity (eqs. 7, 8). Without it: its defaults."""
     rods: Key[Rods, Rods] = key(factory=Rods, of=Rods, kind="table")
     """Cosserat rods. Without it: its defaults."""
-    camera: Key[Camera, Camera] = key(factory=Camera, of=Camera, kind="table")
-    """Camera that pictures are taken with. Without it: its defaults."""
+    camera: Key[list[Camera], Camera | Sequence[Camera]] = key(factory=list, of=Camera, kind="tables")
+    """Cameras; several as [[camera]], each with a name. A run's pictures are taken with the first. Without it: one that
+    frames the hair.
+    """
     picture: Key[Picture, Picture] = key(factory=Picture, of=Picture, kind="table")
     """Contents of pictures. Without it: its defaults."""
     change: Key[list[Change], Change | Sequence[Change]] = key(factory=list, of=Change, kind="tables")

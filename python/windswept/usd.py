@@ -23,6 +23,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ._curves import Weights, b_spline, bezier, bezier_of_hermite, nurbs, varying
+from ._curves import vertices as through
+
 __all__ = ["to_npz"]
 
 #: What other programs call what a curve has; of several the first.
@@ -43,11 +46,13 @@ _MOST_NAMES = 5
 def to_npz(path: str | PathLike[str], out: str | PathLike[str], time: float | None = None) -> int:
     """Writes the curves of a USD file as arrays of a groom file, which `hair.file` and `Groom.load` read.
 
-    All BasisCurves of the stage are taken, those of instances too, where they are in the world: curves that go through their
-    vertices ("linear", or "catmullRom" that is pinned), and Bézier curves by their points on the curve. Curves keep the order of
-    the stage; `groom_id`, `groom_group_id`, `groom_root_uv` and `groom_guide` become ids, groups, root_uv and guides, where every
-    prim has them. The unit comes along, and what is up becomes +Y. A `UserWarning` names prims without points, which are left
-    out, says which of these and of the widths are left out since their numbers are not one for each curve or since only some prims have
+    All BasisCurves, HermiteCurves and NurbsCurves of the stage are taken, those of instances and of point instancers too, where they
+    are in the world. Strands go through the vertices of linear and Catmull-Rom curves; B-splines are evaluated at their knots, Bézier and
+    Hermite curves at thirds of their segments, NURBS evenly in their parameter. Curves keep the order of the stage; `groom_id`,
+    `groom_group_id`, `groom_root_uv` and `groom_guide`, of the prim or inherited, become ids, groups, root_uv and guides, where every
+    prim has them; curves with the purpose "guide" are guides beside others. The unit comes along, and what is up becomes +Y. A
+    `UserWarning` names prims that are left out, with the reason: without points, invisible, periodic, the stand-ins of purpose "proxy".
+    It says which of these and of the widths are left out since their numbers are not one for each curve or since only some prims have
     them, and says how many curves have an id that a curve before them has: those get new ids.
 
     usd-core reads the file, and a damaged .usdc can cost it much memory and time: one of 1 kB took 7 GB and 8 s to be refused.
@@ -55,15 +60,15 @@ def to_npz(path: str | PathLike[str], out: str | PathLike[str], time: float | No
     Args:
         path: the file: .usd, .usda, .usdc or .usdz.
         out: the groom file, whose name should end in .npz; one that is there is replaced.
-        time: time code of the shape; None: what is there without a time, or else the first sample.
+        time: time code of the shape; None: the first sample of what has samples, and else what is there without a time.
 
     Returns:
         How many curves there are.
 
     Raises:
         ModuleNotFoundError: usd-core is not installed.
-        ValueError: the file cannot be read, has no curves, some that do not go through their vertices, or some of a number of vertices
-            that curves of their kind cannot have.
+        ValueError: the file cannot be read, has no curves that can be taken, some of an unknown kind, or some of a number of vertices that
+            curves of their kind cannot have.
     """
     Usd, UsdGeom, _ = _library()
     with _errors_of_usd(path):
@@ -127,26 +132,71 @@ def _commentary(error: Any) -> str:
 def _parts(path: Any, stage: Any, time: float | None) -> tuple[dict[str, dict[str, NDArray[Any]]], dict[str, list[str]]]:
     """What each prim of curves has, those of instances too, by its path, and from which prims a primvar is not taken, with the reason.
 
-    Prims without points are left out, and a warning names them.
+    Prims that have nothing to take are left out, and a warning names them.
     """
-    Usd, UsdGeom, _ = _library()
-    prims = stage.Traverse(Usd.TraverseInstanceProxies())
-    found = [UsdGeom.BasisCurves(prim) for prim in prims if prim.IsA(UsdGeom.BasisCurves)]
-    if not found:
-        raise ValueError(f"{path}: expected BasisCurves, found none")
-    parts: dict[str, dict[str, NDArray[Any]] | None] = {}
+    Usd, _, _ = _library()
+    code = Usd.TimeCode.EarliestTime() if time is None else Usd.TimeCode(time)
+    parts: dict[str, dict[str, NDArray[Any]]] = {}
+    purposes: dict[str, str] = {}
+    out: dict[str, list[str]] = {}
     untaken: dict[str, list[str]] = {}
-    for curves in found:
-        prim = str(curves.GetPath())
-        parts[prim], reasons = _curves(f"{path}: {prim}", curves, time)
+    for prim, curves, matrix in _placed(stage.GetPseudoRoot(), np.identity(4), code, ""):
+        part, reasons = _curves(f"{path}: {prim}", curves, matrix, code)
+        if isinstance(part, str):
+            out.setdefault(part, []).append(prim)
+            continue
+        parts[prim], purposes[prim] = part, str(curves.ComputePurpose())
         for primvar, reason in reasons.items():
             untaken.setdefault(primvar, []).append(f"{prim} ({reason})")
-    empty = [prim for prim, part in parts.items() if part is None]
-    if len(empty) == len(found):
-        raise ValueError(f"{path}: expected BasisCurves with points, found none in {_listed(empty)}")
-    if empty:
-        warnings.warn(f"{path}: {_listed(empty)} has no points, and is left out", stacklevel=3)
-    return {prim: part for prim, part in parts.items() if part is not None}, untaken
+    stand_ins = [prim for prim, purpose in purposes.items() if purpose == "proxy"]
+    if 0 < len(stand_ins) < len(parts):
+        out["is a stand-in, of purpose proxy"] = stand_ins
+        parts = {prim: part for prim, part in parts.items() if prim not in stand_ins}
+    if not parts:
+        found = "; ".join(f"{_listed(prims)} {reason}" for reason, prims in out.items())
+        raise ValueError(f"{path}: expected curves with points, found none{': ' if found else ''}{found}")
+    for reason, prims in out.items():
+        warnings.warn(f"{path}: {_listed(prims)} {reason}, and is left out", stacklevel=3)
+    guides = [prim for prim in parts if purposes[prim] == "guide"]
+    if 0 < len(guides) < len(parts):
+        for prim, part in parts.items():
+            part.setdefault("guides", np.full(len(part["counts"]), prim in guides))
+    return parts, untaken
+
+
+def _placed(root: Any, world: NDArray[np.float64], code: Any, name: str) -> Iterator[tuple[str, Any, NDArray[np.float64]]]:
+    """Prims of curves at and below a prim, with a name and the matrix from each one's own place to the world.
+
+    `world` is the matrix from the place of `root` to the world, and `name` that of the instances that it is in.
+    """
+    Usd, UsdGeom, _ = _library()
+    cache = UsdGeom.XformCache(code)
+    prims = iter(Usd.PrimRange(root, Usd.TraverseInstanceProxies()))
+    for prim in prims:
+        # Rows are points: a matrix stands on the right, and what comes first stands first.
+        here = np.array(cache.ComputeRelativeTransform(prim, root)[0]) @ world
+        if prim.IsA(UsdGeom.PointInstancer):
+            # Prototypes below it are there as its instances only.
+            prims.PruneChildren()
+            yield from _instances(UsdGeom.PointInstancer(prim), here, code, name)
+            continue
+        for kind in (UsdGeom.BasisCurves, UsdGeom.HermiteCurves, UsdGeom.NurbsCurves):
+            if prim.IsA(kind):
+                yield name + str(prim.GetPath()), kind(prim), here
+
+
+def _instances(instancer: Any, world: NDArray[np.float64], code: Any, name: str) -> Iterator[tuple[str, Any, NDArray[np.float64]]]:
+    """Prims of curves of all instances that an instancer shows, with a name and a matrix as those of `_placed`."""
+    prototypes = instancer.GetPrototypesRel().GetForwardedTargets()
+    which = _values(instancer.GetProtoIndicesAttr(), instancer.GetProtoIndicesAttr().Get(code))
+    # With the transform of each prototype; without the instances that are masked.
+    transforms = instancer.ComputeInstanceTransformsAtTime(code, code, applyMask=instancer.IgnoreMask) if len(which) else []
+    shown = instancer.ComputeMaskAtTime(code) or [True] * len(which)
+    for i, (prototype, transform) in enumerate(zip(which, transforms)):
+        if shown[i] and 0 <= prototype < len(prototypes):
+            prim = instancer.GetPrim().GetStage().GetPrimAtPath(prototypes[int(prototype)])
+            if prim:
+                yield from _placed(prim, np.array(transform) @ world, code, f"{name}{instancer.GetPath()}[{i}]")
 
 
 def _listed(names: list[str]) -> str:
@@ -171,18 +221,20 @@ def _unique(path: Any, ids: NDArray[Any]) -> NDArray[Any]:
     return unique
 
 
-def _curves(where: str, curves: Any, time: float | None) -> tuple[dict[str, NDArray[Any]] | None, dict[str, str]]:
-    """What a prim has, and by the name of a primvar why it is not taken.
+def _curves(
+    where: str, curves: Any, matrix: NDArray[np.float64], code: Any
+) -> tuple[dict[str, NDArray[Any]] | str, dict[str, str]]:
+    """What a prim has, or why it has nothing to take, and by the name of a primvar why that is not taken.
 
-    It has points, each curve by its points on it, in the world, and what else is one for each curve or point; None without points.
-    `where` names file and prim for an error.
+    It has points, each curve by its points on it, in the world, and what else is one for each curve or point. `where` names file and
+    prim for an error.
     """
-    Usd, UsdGeom, _ = _library()
-    code = Usd.TimeCode.EarliestTime() if time is None else Usd.TimeCode(time)
     given, placed = curves.GetCurveVertexCountsAttr(), curves.GetPointsAttr()
     counts, points = _values(given, given.Get(code)), _values(placed, placed.Get(code))
+    if curves.ComputeVisibility(code) == "invisible":
+        return "is invisible", {}
     if len(counts) == 0 or len(points) == 0:
-        return None, {}
+        return "has no points", {}
     if counts.dtype.kind not in "iu" or counts.ndim != 1:
         raise ValueError(f"{where}: curveVertexCounts: expected int[], found {_described(given, counts)}")
     if points.dtype.kind != "f" or points.shape[1:] != (3,):
@@ -190,30 +242,44 @@ def _curves(where: str, curves: Any, time: float | None) -> tuple[dict[str, NDAr
     counts, points = counts.astype(np.int64), points.astype(np.float64)
     if counts.sum() != len(points):
         raise ValueError(f"{where}: {len(points)} points are not the {counts.sum()} of its curves")
-    kept = _on_curves(where, curves, counts)
-    matrix = np.array(UsdGeom.XformCache(code).GetLocalToWorldTransform(curves.GetPrim()))
-    # Rows are points: the matrix stands on the right.
-    points = points @ matrix[:3, :3] + matrix[3, :3]
-    ends = np.concatenate([[0], np.cumsum(counts)])
-    found = {"points": points[kept], "counts": np.array([kept[a:b].sum() for a, b in zip(ends, ends[1:])], dtype=np.int64)}
+    found_on = _on_curves(where, curves, points, counts, code)
+    if found_on is None:
+        return "is periodic", {}
+    on, vertices, ends = found_on
+    found = {"points": on.of(vertices) @ matrix[:3, :3] + matrix[3, :3], "counts": on.counts}
     untaken: dict[str, str] = {}
-    attribute = curves.GetWidthsAttr()
-    widths = _values(attribute, attribute.Get(code))
-    # How many points a width is for, by how many widths there are: one for each point, each curve, or all.
-    repeats: dict[int, Any] = {len(kept): 1, 1: len(kept), len(counts): counts}
-    if widths.ndim == 1 and widths.dtype.kind in _NUMBERS and len(widths) in repeats:
+    api = _library()[1].PrimvarsAPI(curves)
+
+    def values_of(name: str) -> tuple[Any, NDArray[Any]]:
+        primvar = api.FindPrimvarWithInheritance(name)
+        return primvar, _values(primvar, primvar.ComputeFlattened(code)) if primvar.HasValue() else np.empty(0)
+
+    attribute, widths = values_of("widths")
+    if not len(widths):
+        attribute = curves.GetWidthsAttr()
+        widths = _values(attribute, attribute.Get(code))
+    between = varying(on.counts, ends)
+    # By how many widths there are: one for each vertex, each end of a segment, each curve, or all.
+    spread: dict[int, Any] = {
+        1: lambda: np.full(on.counts.sum(), widths[0]),
+        len(counts): lambda: np.repeat(widths, on.counts),
+        int(ends.sum()): lambda: between.of(widths),
+        len(points): lambda: on.of(widths) if len(vertices) == len(points) else between.of(widths),
+    }
+    if widths.ndim == 1 and widths.dtype.kind in _NUMBERS and len(widths) in spread:
         scale = abs(np.linalg.det(matrix[:3, :3])) ** (1 / 3)
-        found["radius"] = 0.5 * scale * np.repeat(widths.astype(np.float64), repeats[len(widths)])[kept]
+        found["radius"] = 0.5 * scale * spread[len(widths)]().astype(np.float64)
     elif len(widths):
-        expected = f"{len(kept)}, {len(counts)} or 1 numbers, for each point, each curve or all"
+        expected = f"{len(points)}, {ends.sum()}, {len(counts)} or 1 numbers, for each point, each end of a segment, each curve or all"
         untaken["widths"] = f"expected {expected}, found {_described(attribute, widths)}"
-    api = UsdGeom.PrimvarsAPI(curves)
     for name, primvars in _NAMES.items():
-        for primvar in (api.GetPrimvar(each) for each in primvars):
-            if name in found or not primvar.HasValue():
+        for primvar, values in map(values_of, primvars):
+            if name in found or not len(values):
                 continue
-            values = _values(primvar, primvar.ComputeFlattened(code))
             shape = (len(counts), 2) if name == "root_uv" else (len(counts),)
+            # One for all, as those are that come from a prim above.
+            if name != "ids" and len(values) == 1 and values.dtype.kind in _NUMBERS:
+                values = np.repeat(values, len(counts), axis=0)
             if values.shape == shape and values.dtype.kind in _NUMBERS:
                 found[name] = values
                 continue
@@ -222,25 +288,61 @@ def _curves(where: str, curves: Any, time: float | None) -> tuple[dict[str, NDAr
     return found, untaken
 
 
-def _on_curves(where: str, curves: Any, counts: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Which vertices of a prim are points on its curves: all of curves that go through them, and every third of Bézier curves.
+def _on_curves(
+    where: str, curves: Any, points: NDArray[np.float64], counts: NDArray[np.int64], code: Any
+) -> tuple[Weights, NDArray[np.float64], NDArray[np.int64]] | None:
+    """Points on the curves of a prim, of which vertices they are weighted sums, and how many ends of segments each curve has.
 
-    The numbers of vertices that a curve can have are those of `UsdGeomBasisCurves`.
+    None for curves without ends. The numbers of vertices that a curve can have are those of USD's schemas.
     """
+
+    def check(wrong: NDArray[np.bool_], expected: str) -> None:
+        if (curve := np.flatnonzero(wrong | (counts < 0))).size:
+            raise ValueError(f"{where}: curve {curve[0]}, counted from 0: expected {expected}, found {counts[curve[0]]}")
+
+    _, UsdGeom, _ = _library()
+    if isinstance(curves, UsdGeom.NurbsCurves):
+        return _on_nurbs(where, curves, points, counts, code, check)
+    if isinstance(curves, UsdGeom.HermiteCurves):
+        check(counts < 0, "a number of vertices")
+        tangents = _values(curves.GetTangentsAttr(), curves.GetTangentsAttr().Get(code))
+        if tangents.shape != points.shape:
+            raise ValueError(f"{where}: tangents: expected {len(points)}, as many as points, found {len(tangents)}")
+        vertices, their = bezier_of_hermite(points, tangents.astype(np.float64), counts)
+        return bezier(their), vertices, counts
     kind, basis, wrap = (attribute.Get() for attribute in (curves.GetTypeAttr(), curves.GetBasisAttr(), curves.GetWrapAttr()))
-    if wrap not in ("nonperiodic", "pinned"):
-        raise ValueError(f"{where}: expected curves with two ends, which are nonperiodic or pinned, found {wrap} ones")
-    bezier = (kind, basis) == ("cubic", "bezier")
-    if kind != "linear" and not bezier and (kind, basis, wrap) != ("cubic", "catmullRom", "pinned"):
-        raise ValueError(f"{where}: expected curves through their vertices, found {kind} {basis} that is {wrap}")
-    # A curve of one vertex or none is a strand that cannot be simulated: the groom leaves it out, and says so.
-    wrong = np.flatnonzero((counts < 0) | (bezier & (counts > 1) & (counts % 3 != 1)))
-    if len(wrong):
-        expected = "3 k + 1 vertices (4, 7, 10 and so on) of a Bézier curve" if bezier else "a number of vertices"
-        raise ValueError(f"{where}: curve {wrong[0]}, counted from 0: expected {expected}, found {counts[wrong[0]]}")
-    if not bezier:
-        return np.ones(counts.sum(), dtype=bool)
-    return np.concatenate([np.arange(count) % 3 == 0 for count in counts])
+    if wrap == "periodic":
+        return None
+    pinned = wrap == "pinned"
+    if kind == "linear":
+        check(counts < 0, "a number of vertices")
+        return through(counts), points, counts
+    if kind != "cubic" or basis not in ("bezier", "bspline", "catmullRom") or wrap not in ("nonperiodic", "pinned"):
+        raise ValueError(f"{where}: expected curves that USD knows, found {kind} {basis} that is {wrap}")
+    if basis == "bezier":
+        # A curve of one vertex or none is a strand that cannot be simulated: the groom leaves it out, and says so.
+        check((counts > 1) & (counts % 3 != 1), "3 k + 1 vertices (4, 7, 10 and so on) of a Bézier curve")
+        return bezier(counts), points, np.where(counts > 1, (counts - 1) // 3 + 1, counts)
+    check(counts < 0, "a number of vertices")
+    on = b_spline(counts, pinned) if basis == "bspline" else through(counts, without_ends=not pinned)
+    return on, points, on.counts
+
+
+def _on_nurbs(
+    where: str, curves: Any, points: NDArray[np.float64], counts: NDArray[np.int64], code: Any, check: Any
+) -> tuple[Weights, NDArray[np.float64], NDArray[np.int64]]:
+    """As `_on_curves`, of NURBS."""
+    given = [curves.GetOrderAttr(), curves.GetKnotsAttr(), curves.GetPointWeightsAttr()]
+    orders, knots, rational = (_values(attribute, attribute.Get(code)) for attribute in given)
+    orders = np.broadcast_to(orders.astype(np.int64), len(counts)) if len(orders) in (1, len(counts)) else np.zeros(len(counts), np.int64)
+    check((orders < 2) | (counts < orders), "an order of 2 or more and at least as many vertices")
+    expected = int((counts + orders).sum())
+    if len(knots) != expected or (np.diff(knots) < 0).sum() > len(counts) - 1:
+        raise ValueError(f"{where}: knots: expected {expected} numbers that rise along each curve, found {len(knots)}")
+    if len(rational) not in (0, len(points)):
+        raise ValueError(f"{where}: pointWeights: expected {len(points)}, as many as points, found {len(rational)}")
+    rational = rational.astype(np.float64) if len(rational) else np.ones(len(points))
+    return nurbs(counts, orders, knots.astype(np.float64), rational), points, counts - orders + 2
 
 
 def _values(attribute: Any, value: Any) -> NDArray[Any]:

@@ -1,23 +1,26 @@
-// Bodies: all points within a radius of a line, the axis, or all points that a mesh encloses. A sphere's axis is a
-// point, and so is a mesh's: the origin of its file. A mesh is a grid of signed distances, trilinear between the nodes.
+// Bodies: all points within a radius of a box, or all points that a mesh encloses. The box of a sphere is a point, that
+// of a capsule a line, and that of a plane has one side that ends. A mesh is a grid of signed distances, trilinear
+// between the nodes.
 //
-// A mesh that deforms is at its keyframes in poses of its own, and has the grids of two at a time: those of every other
-// keyframe in the first half of its values, the rest in the second. Between two keyframes its distance is linear. Each
-// pose has beside the distances the move of the nearest place of the surface since the pose before.
+// A mesh that deforms goes from pose to pose, and has the grids of two at a time: those of every other pose in the first
+// half of its values, the rest in the second. Between two poses its distance is linear. Each pose has beside the
+// distances the move of the nearest place of the surface since the pose before.
 //
 // This file has every function that depends on a body's shape: its place after a step (`place`), the signed distance of
 // a point and its gradient (`surface`, `near`).
-import package::common::{quaternion::{conjugate, product, rotate, turned_by}, motion::{Pose, phase_after, pose_in}};
+import package::common::{quaternion::{conjugate, product, rotate, turned_by}, motion::{phase_after, pose_in, shape_in}};
 
 struct Body {
-    start: vec3f,          // start of the axis, before any motion [m]
-    radius: f32,           // distance of the surface from the axis [m]
-    end: vec3f,            // end of the axis, before any motion [m]
+    center: vec3f,         // the point that the body turns about, before any motion: of a mesh its file's origin [m]
+    radius: f32,           // distance of the surface from the box [m]
+    low: vec3f,            // corner of the box, from the center, in the body's own axes [m]
+    inradius: f32,         // radius of the largest ball in the body [m]
+    high: vec3f,           // opposite corner of the box [m]
     friction: f32,         // Coulomb's coefficient of hair on the body
+    rotation: vec4f,       // from the body's own axes to the world's, before any motion
+    grid: Grid,            // signed distances of a mesh
     first_keyframe: u32,   // index of the body's first keyframe
     keyframes: u32,        // number of the body's keyframes; without any the body rests
-    rotation: vec4f,       // rotation of a mesh, before any motion
-    grid: Grid,            // signed distances of a mesh
     pose_values: u32,      // values of a pose of a mesh that deforms; 0 of any other
     half: u32,             // 1: its first pose is in the second half
 }
@@ -26,7 +29,7 @@ struct Body {
 struct Grid {
     origin: vec3f,         // the first node [m]
     spacing: f32,          // distance between nodes [m]
-    counts: vec3u,         // nodes along x, y and z; none of a round body
+    counts: vec3u,         // nodes along x, y and z; none but of a mesh
     first: u32,            // index of the first node's distance
 }
 
@@ -41,14 +44,15 @@ override DEFORMS: bool = true;
 
 // A body in this step.
 struct Placed {
-    start: vec3f,          // start of the axis, after the step [m]
-    radius: f32,           // distance of the surface from the axis [m]
-    end: vec3f,            // end of the axis, after the step [m]
+    center: vec3f,         // the point that the body turns about, after the step [m]
+    radius: f32,           // distance of the surface from the box [m]
+    low: vec3f,            // corner of the box, from the center, in the body's own axes [m]
+    inradius: f32,         // radius of the largest ball in the body [m]
+    high: vec3f,           // opposite corner of the box [m]
     friction: f32,         // Coulomb's coefficient of hair on the body
-    center: vec3f,         // middle of the axis, after the step [m]
-    center_before: vec3f,  // middle of the axis, before the step [m]
+    center_before: vec3f,  // the point that the body turns about, before the step [m]
     turn: vec4f,           // rotation in the step
-    rotation: vec4f,       // rotation of a mesh, after the step
+    rotation: vec4f,       // from the body's own axes to the world's, after the step
     grid: Grid,            // signed distances of a mesh, of its pose before,
     next: u32,             // first distance of its pose after,
     part: f32,             // and part of the way there
@@ -57,28 +61,28 @@ struct Placed {
 
 // The body before and after the step that follows `steps` others.
 fn place(body: Body, steps: u32) -> Placed {
-    let phases = array(
-        phase_after(steps, body.first_keyframe, body.keyframes), phase_after(steps + 1u, body.first_keyframe, body.keyframes),
-    );
-    let before = pose_in(phases[0], body.first_keyframe, body.keyframes);
-    let after = pose_in(phases[1], body.first_keyframe, body.keyframes);
-    let before_in = (phases[1].keyframe + body.half) & 1u;   // half of the values that the pose before is in
-    var grid = body.grid;
-    grid.first += before_in * body.pose_values;
-    // A step that passes a keyframe makes the rest of the move to there.
-    let passes = phases[0].keyframe < phases[1].keyframe;
-    let moved = vec2f(select(0.0, 1.0 - phases[0].part, passes), phases[1].part - select(phases[0].part, 0.0, passes));
+    let starts = phase_after(steps, body.first_keyframe, body.keyframes);
+    let ends = phase_after(steps + 1u, body.first_keyframe, body.keyframes);
+    let before = pose_in(starts, body.first_keyframe, body.keyframes);
+    let after = pose_in(ends, body.first_keyframe, body.keyframes);
+    // Poses of a body that deforms.
+    let left = shape_in(starts, body.first_keyframe, body.keyframes);
+    let reached = shape_in(ends, body.first_keyframe, body.keyframes);
     let deforms = body.pose_values > 0u;
-    let center = 0.5 * (body.start + body.end);
-    let half = rotate(after.rotation, 0.5 * (body.end - body.start));
-    let now = center + after.translation;
+    let half = (reached.index + body.half) & 1u;
+    var grid = body.grid;
+    grid.first += half * body.pose_values;
+    // A step that passes a pose makes the rest of the move to there.
+    let passes = left.index < reached.index;
+    let moved = vec2f(select(0.0, 1.0 - left.part, passes), reached.part - select(left.part, 0.0, passes));
     return Placed(
-        now - half, body.radius, now + half, body.friction, now, center + before.translation,
+        body.center + after.translation, body.radius, body.low, body.inradius, body.high, body.friction,
+        body.center + before.translation,
         // Exactly the identity where the body does not turn: a body at rest wakes no hair.
         select(normalize(product(after.rotation, conjugate(before.rotation))), vec4f(0.0, 0.0, 0.0, 1.0),
             all(before.rotation == after.rotation)),
-        normalize(product(after.rotation, body.rotation)), grid, body.grid.first + (1u - before_in) * body.pose_values,
-        select(0.0, phases[1].part, deforms), select(vec2f(0.0), moved, deforms),
+        normalize(product(after.rotation, body.rotation)), grid, body.grid.first + (1u - half) * body.pose_values,
+        select(0.0, reached.part, deforms), select(vec2f(0.0), moved, deforms),
     );
 }
 
@@ -95,40 +99,38 @@ fn surface(body: Placed, x: vec3f) -> Surface {
 // The surface seen from the place `base + way` [m], with `base` relative to the body's center. A short `way` enters
 // with its own rounding error, not with that of the sum: hair at rest does not tremble.
 fn near(body: Placed, base: vec3f, way: vec3f) -> Surface {
-    if is_mesh(body) {
-        let back = conjugate(body.rotation);
-        let seen = surface_of_grid(body, rotate(back, base), rotate(back, way));
-        return Surface(rotate(body.rotation, seen.normal), seen.distance);
+    let back = conjugate(body.rotation);
+    let own = rotate(back, base);
+    let own_way = rotate(back, way);
+    var seen: Surface;
+    if is_mesh(body) { seen = surface_of_grid(body, own, own_way); } else { seen = surface_of_box(body, own, own_way); }
+    return Surface(rotate(body.rotation, seen.normal), seen.distance);
+}
+
+// Distance from the surface about a box, and its gradient, at `x + way`, in the body's own axes.
+fn surface_of_box(body: Placed, x: vec3f, way: vec3f) -> Surface {
+    let none = vec3f(0.0);
+    // From the box to the start and to the end of the way.
+    let first = max(x - body.high, none) - max(body.low - x, none);
+    let above = (x - body.high) + way;
+    let below = (body.low - x) - way;
+    let last = max(above, none) - max(below, none);
+    let moved = select(last - first, way, first * last > none);
+    let r = length(first + moved);
+    if r > 1e-6 * body.radius {
+        return Surface((first + moved) / r,
+            (length(first) - body.radius) + dot(moved, 2.0 * first + moved) / (length(first) + r));
     }
-    let axis = body.end - body.start;
-    let squared = dot(axis, axis);
-    let gap_to_start = base + 0.5 * axis;
-    var first = 0.0;   // part of the axis that is nearest to the base,
-    var more = 0.0;    // and how much farther along the nearest is in the end
-    if squared > 0.0 {
-        let along = vec2f(dot(gap_to_start, axis), dot(way, axis)) / squared;
-        first = clamp(along.x, 0.0, 1.0);
-        let last = clamp(along.x + along.y, 0.0, 1.0);
-        more = select(last - first, along.y, first == along.x && last == along.x + along.y);
-    }
-    let gap = gap_to_start - first * axis;
-    let moved = way - more * axis;
-    let r = length(gap + moved);
-    let distance = (length(gap) - body.radius)
-        + dot(moved, 2.0 * gap + moved) / max(length(gap) + r, 1e-6 * body.radius);
-    if r > 1e-6 * body.radius { return Surface((gap + moved) / r, distance); }
-    // On the axis any direction normal to it is an outward normal.
-    let across = select(vec3f(axis.z, 0.0, -axis.x), vec3f(0.0, axis.z, -axis.y), abs(axis.x) > abs(axis.y));
-    return Surface(select(vec3f(0.0, 1.0, 0.0), normalize(across), squared > 0.0), -body.radius);
+    // In the box the nearest side counts; of sides that are equally near, one across the longest.
+    let beyond = max(below, above);
+    let sign = select(vec3f(1.0), vec3f(-1.0), below > above);
+    if beyond.y >= max(beyond.x, beyond.z) { return Surface(vec3f(0.0, sign.y, 0.0), beyond.y - body.radius); }
+    if beyond.z >= beyond.x { return Surface(vec3f(0.0, 0.0, sign.z), beyond.z - body.radius); }
+    return Surface(vec3f(sign.x, 0.0, 0.0), beyond.x - body.radius);
 }
 
 fn is_mesh(body: Placed) -> bool {
     return MESHES && body.grid.counts.x > 0u;
-}
-
-// The point in a mesh's own place.
-fn in_mesh(body: Placed, x: vec3f) -> vec3f {
-    return rotate(conjugate(body.rotation), x - body.center);
 }
 
 // Distance from the surface of a grid, and its unit gradient, at `x + way`. Beyond the grid the distance is the least

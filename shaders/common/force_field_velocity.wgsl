@@ -8,7 +8,7 @@
 //   point    u = w S e R(q), R = min(q/radius, (radius/q)^2)             w = f(q/reach), e from the origin: a source
 //
 //   f falls from 1 at 1/2 to 0 at 1, as 1 - smoothstep;   rate = w |S|/uptake
-import package::common::field::{fields, Field, JET, VORTEX};
+import package::common::{field::{fields, Field, JET, VORTEX}, frame::frame_place};
 
 @group(0) @binding(10) var<storage, read> field_strength: array<f32>;   // S at the end of the step [m/s]
 
@@ -37,7 +37,9 @@ fn field_velocity_of(field: Field, strength: f32, place: vec3f) -> FieldVelocity
     return FieldVelocity(weight * strength * select(round, field.axis, is_jet), weight * abs(strength) / field.uptake);
 }
 
-fn field_velocity_at(place: vec3f) -> FieldVelocity {
+// Fields stand still in the world.
+fn field_velocity_at(local: vec3f) -> FieldVelocity {
+    let place = local + frame_place();
     var sum = FieldVelocity(vec3f(0.0), 0.0);
     for (var k = 0u; k < arrayLength(&fields); k++) {
         let force_field_velocity = field_velocity_of(fields[k], field_strength[k], place);

@@ -51,6 +51,10 @@ struct Status {
     wind_before: array<f32, 3>,       // m/s, at its start
     fastest_wind: f32,                // m/s, largest speed of the mean wind in its table
     wind_path: array<f32, 3>,         // m, that the wind has blown in committed steps, wrapped into the box
+    frame_place: array<f32, 3>,       // m, way of the frame (`common/frame.wgsl`) from the start to the end of this step
+    frame_velocity: array<f32, 3>,    // m/s, of the frame in this step
+    frame_change: array<f32, 3>,      // m/s, of that velocity from the step before
+    frame_step: u32,                  // number of the step, from 1, whose frame that is
     counted: array<u32, COUNTERS>,    // by cause, committed steps
     counting: array<atomic<u32>, COUNTERS>, // by cause, this step
 }

@@ -15,6 +15,5 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if pin.held < ON_BODY { return; }
     let body = bodies[pin.held - ON_BODY];
     let pose = pose_after(status.step + 1u, body.first_keyframe, body.keyframes);
-    let center = 0.5 * (body.start + body.end);
-    pins[p].goal = center + pose.translation + rotate(pose.rotation, pin.place - center);
+    pins[p].goal = body.center + pose.translation + rotate(pose.rotation, pin.place - body.center);
 }

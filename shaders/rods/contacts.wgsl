@@ -48,15 +48,15 @@ fn begin(history: ContactHistory, body: Placed, start: Surface, forgets: bool) -
 fn plane(contact: Contact, body: Placed, place: Place) -> Contact {
     let seen = seen_from(body, place);
     let far = length(seen.way);
-    if contact.before < 0.0 || contact.before > far || far < 0.5 * body.radius { return contact; }
+    if contact.before < 0.0 || contact.before > far || far < 0.5 * body.inradius { return contact; }
     var part = 0.0;
     var surface = Surface(contact.normal, contact.before);
-    for (var k = 0u; k < STEPS && surface.distance > GRAZES * body.radius; k++) {
+    for (var k = 0u; k < STEPS && surface.distance > GRAZES * body.inradius; k++) {
         part += surface.distance / (steepest(body) * far);
         if part > 1.0 { return contact; }
         surface = near(body, seen.base, part * seen.way);
     }
-    if surface.distance > GRAZES * body.radius { return contact; }
+    if surface.distance > GRAZES * body.inradius { return contact; }
     var through = contact;
     through.normal = surface.normal;
     through.before = surface.distance - part * dot(surface.normal, seen.way);

@@ -10,10 +10,11 @@ use windswept_reference::{
     State as Reference, commit, contact, forcing, rods,
     step::{Scratch, unobserved},
 };
-use windswept_scene::{Body, InitialState, Keyframe, Motion, Rods, Scene, Shape};
+use windswept_scene::{Body, CheckedShape, Form, InitialState, Keyframe, Motion, Rods, Scene, Shape};
 use windswept_shaders::{
     self as shaders,
     common::{
+        body::Placed,
         by_body::CHUNKS,
         contact::{Contact, ContactHistory, LIVE, PLANE, SLIDES},
         rod::{FAILED, SLEEPS},
@@ -65,9 +66,23 @@ fn by_body_apart(b: &Both<'_>, got: &[DVec3]) -> f64 {
 pub fn bodies_apart(b: &Both<'_>) -> f64 {
     let got = b.read(&b.state().placed);
     largest(got.iter().zip(&contact::place(b.p(), b.s.steps)).map(|(got, wanted)| {
-        let [start, end] = wanted.body.shape.round().ends.map(|end| wanted.after.out(end));
-        (xyz(&got.start) - start).length().max((xyz(&got.end) - end).length())
+        let points = points_of(&wanted.body.shape).map(|(own, x)| (own, wanted.after.out(x)));
+        largest(points.into_iter().map(|(own, x)| placed_point(got, own).distance(x)))
     }))
+}
+
+/// The center of a shape and the ends of its axes, half a metre long: in its own axes, and in the world.
+fn points_of(shape: &CheckedShape) -> [(DVec3, DVec3); 4] {
+    let (center, rotation) = match shape.form() {
+        Form::Round(round) => (round.center, round.rotation),
+        Form::Mesh(solid) => (solid.origin(), solid.rotation()),
+    };
+    [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::Z].map(|own| (0.5 * own, center + rotation * (0.5 * own)))
+}
+
+/// Where a body of the engine has a point of its own axes.
+fn placed_point(body: &Placed, own: DVec3) -> DVec3 {
+    xyz(&body.center) + quaternion(body.rotation) * own
 }
 
 /// How many contacts are in another state, and the largest difference of their forces by what they move.
@@ -158,8 +173,8 @@ fn named(bodies: Vec<Body>) -> Vec<Body> {
     bodies.into_iter().enumerate().map(|(i, body)| body.named(i.to_string())).collect()
 }
 
-/// Scene of a sphere at rest, a capsule that tumbles by, a thin one that rests askew and a sphere that overlaps the
-/// first.
+/// Scene of a sphere at rest, a capsule that tumbles by, a thin one that rests askew, a sphere that overlaps the first,
+/// a box that tumbles, and a floor.
 fn scene() -> Scene {
     let bone = |start, end, radius| Shape::capsule(start, end, radius);
     let tumble = [(0.001, [0.0; 3], [1.0, 0.0, 0.0]), (0.02, [0.01, -0.004, 0.008], [1.0, 1.2, -0.8])];
@@ -168,6 +183,8 @@ fn scene() -> Scene {
         body(bone([0.005, 0.01, 0.02], [0.02, 0.03, 0.005], 0.006), &tumble),
         body(bone([0.03, 0.0, 0.0], [0.0, 0.03, 0.035], 0.001), &[]),
         body(Shape::sphere([0.03, 0.018, 0.02], 0.005), &tumble[..1]),
+        body(Body::cuboid([0.01, 0.03, 0.032], [0.012, 0.005, 0.009]).shape, &tumble),
+        body(Body::plane([0.0, 0.001, 0.0], [0.1, 1.0, -0.05]).shape, &[]),
     ];
     Scene { bodies: named(bodies), ..support::scene() }
 }
@@ -209,19 +226,15 @@ fn place_is_that_of_the_reference() {
         let placed = fixture.engine.read(&fixture.engine.state().placed).unwrap();
         for (got, wanted) in placed.iter().zip(contact::place(&fixture.parameters, steps.into())) {
             let contact::Placed { body, before, after } = wanted;
-            let (middle, [start, end]) = (body.shape.center(), body.shape.round().ends);
-            let pairs = [
-                (got.start, after.out(start)),
-                (got.end, after.out(end)),
-                (got.center, after.out(middle)),
-                (got.center_before, before.out(middle)),
-            ];
-            worst = pairs.iter().fold(worst, |worst, (got, x)| worst.max(xyz(got).distance(*x)));
+            let middle = body.shape.center();
+            worst = worst.max(xyz(&got.center_before).distance(before.out(middle)));
+            let placed = points_of(&body.shape).map(|(own, x)| placed_point(got, own).distance(after.out(x)));
+            worst = placed.into_iter().fold(worst, f64::max);
             // A point of the body, taken along.
-            let y = start + DVec3::new(0.01, 0.02, -0.03);
+            let y = middle + DVec3::new(0.01, 0.02, -0.03);
             let went = quaternion(got.turn) * (before.out(y) - xyz(&got.center_before)) + xyz(&got.center);
             slowest = slowest.max(went.distance(after.out(y)));
-            assert_eq!([got.radius, got.friction], [body.shape.inradius() as f32, body.friction as f32]);
+            assert_eq!([got.inradius, got.friction], [body.shape.inradius() as f32, body.friction as f32]);
         }
     }
     println!("placed to {worst:.1e} m, carried to {slowest:.1e} m");
@@ -323,6 +336,8 @@ fn among_strands(speed: f64) -> Vec<Body> {
         body(Shape::capsule(at(2.0, 0.05, 0.02), at(2.05, 0.05, 0.02), 0.015), &tumbles),
         body(Shape::capsule(at(2.95, 0.05, 0.0), at(3.1, 0.05, 0.02), 0.002), &[]),
         body(ball(at(3.0, 0.0, 0.0), 0.02), &[]),
+        body(Body::cuboid(at(0.0, 0.12, -0.02), [0.03, 0.02, 0.05]).shape, &tumbles),
+        body(Body::plane(at(0.0, 0.0, -0.09), [0.1, 1.0, 0.0]).shape, &[]),
     ])
 }
 
@@ -343,7 +358,7 @@ fn rods_among_bodies_are_those_of_the_reference() {
             let mut initial = InitialState::new(&scene).unwrap();
             scene.bodies = among_strands(speed);
             if meshes {
-                scene.bodies.iter_mut().for_each(|body| {
+                scene.bodies.iter_mut().take(5).for_each(|body| {
                     body.shape = support::solid(&body.shape, 16, 24, 1e-3).into();
                 });
             }
@@ -442,8 +457,8 @@ fn air_is_that_of_the_reference() {
             relative(&fixture.vectors(&s.new_velocity)[air.clone()], &v_wanted, 1.0),
         ];
         println!("{n} particles, step {steps}: {pushed} pushed, off by {:.1e} and {:.1e}", errors[0], errors[1]);
-        // Measured 5.4e-7 and 1.4e-6; margin 4.
-        assert!(errors[0] < 2.2e-6 && errors[1] < 5.6e-6, "{n}: {errors:?}");
+        // Measured 5.4e-7 and 1.2e-5; margin 4.
+        assert!(errors[0] < 2.2e-6 && errors[1] < 5e-5, "{n}: {errors:?}");
         assert!(n < 63 || pushed > 4, "nothing is pushed");
     }
 }

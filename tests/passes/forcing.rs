@@ -22,7 +22,7 @@ use crate::{
     contact::bodies_apart,
     fixture::{Fixture, each, quaternion, relative, stirred, xyz},
     hair::{any, ends, motion, scene_of, set_roots, strands},
-    steps::{DIVERGENCE, FIELDS, Fault, LIGHT_HAIR, PARTICLES, PINNED, PRESSED_HAIR, PUSHED},
+    steps::{DIVERGENCE, FIELDS, FOLLOWS, Fault, LIGHT_HAIR, PARTICLES, PINNED, PRESSED_HAIR, PUSHED},
     support,
     walk::{Both, EXACT, FRAME, LENGTH, MULTIPLIER, Row, SPEED, WIND, apart, differing, largest, numbers_apart},
     walls::walls_apart,
@@ -30,6 +30,8 @@ use crate::{
 
 /// Comparisons of the passes of this stage.
 pub const ROWS: &[Row] = &[
+    ("forcing/frame", |b| (xyz(&b.engine().status().unwrap().frame_velocity) - frame(b).1).length(), WIND),
+    ("forcing/frame", |b| (xyz(&b.engine().status().unwrap().frame_place) - frame(b).0).length(), LENGTH),
     ("forcing/mean_wind", |b| wind_apart(b, b.engine().status().unwrap().wind, 1), WIND),
     ("forcing/mean_wind", |b| wind_apart(b, b.engine().status().unwrap().wind_before, 0), WIND),
     ("forcing/field_strengths", strengths_apart, WIND),
@@ -38,6 +40,8 @@ pub const ROWS: &[Row] = &[
     ("forcing/reset", |b| (b.engine().status().unwrap().failed_strands as usize).abs_diff(b.w.invalid) as f64, EXACT),
     ("forcing/reset", |b| b.hair(&b.state().position, &b.s.position), LENGTH),
     ("forcing/reset", |b| b.hair(&b.state().velocity, &b.s.velocity), SPEED),
+    ("forcing/carry", |b| b.hair(&b.state().velocity, &b.s.velocity), SPEED),
+    ("forcing/carry", histories_apart, SPEED),
     ("forcing/roots", |b| drives_apart(b.fixture, b.w).0, LENGTH),
     ("forcing/roots", |b| drives_apart(b.fixture, b.w).1, FRAME),
     ("forcing/roots", |b| b.states(), EXACT),
@@ -80,6 +84,20 @@ fn wind_apart(b: &Both<'_>, got: [f32; 3], more: u64) -> f64 {
     (DVec3::from_array(got.map(f64::from)) - forcing::mean_wind(b.p(), b.s.steps + more)).length()
 }
 
+/// Way of the frame at the step's end \[m\], and its velocity \[m/s\].
+fn frame(b: &Both<'_>) -> (DVec3, DVec3) {
+    forcing::frame(b.p(), b.s.steps + 1)
+}
+
+/// Largest difference of the velocities before, and of the last moves over the step \[m/s\].
+fn histories_apart(b: &Both<'_>) -> f64 {
+    let got = b.read(&b.state().point_history);
+    largest(got.iter().enumerate().map(|(i, got)| {
+        let moves = (xyz(&got.displacement) - b.s.displacement[i]).length() / b.p().step;
+        (xyz(&got.velocity) - b.s.velocity_before[i]).length().max(moves)
+    }))
+}
+
 /// Largest distance of a pin that goes with a body from where the body's pose carries its place \[m\].
 fn pins_apart(b: &Both<'_>) -> f64 {
     let pins = b.read(&b.state().pins);
@@ -103,6 +121,8 @@ fn wind_changes_apart(b: &Both<'_>) -> f64 {
 /// Planted faults of the passes of this stage.
 pub const FAULTS: &[Fault] = &[
     (&shaders::forcing::MEAN_WIND, PARTICLES, &[15]),
+    (&shaders::forcing::FRAME, FOLLOWS, &[25, 29]),
+    (&shaders::forcing::CARRY, FOLLOWS, &[5, 21, 31]),
     (&shaders::forcing::RESET, PARTICLES, &[57, 35]),
     (&shaders::forcing::ROOTS, PARTICLES, &[53]),
     (&shaders::forcing::PINS, PINNED, &[4]),

@@ -134,6 +134,14 @@ pub const PINNED: &[&str] = &[
     "body=[{name='a',center=[0.06,0.13,0.03],radius=0.012,motion=[{time=0,rotation=[0,1,2]},\
     {time=0.01,translation=[0,0.003,0],rotation=[0,0,3]}]},{name='b',center=[0.03,0.13,0.02],radius=0.008}]",
 ];
+/// Settings with a frame that goes with a body, past force fields, and changes its velocity in the second step.
+pub const FOLLOWS: &[&str] = &[
+    "interaction.model=drag",
+    "air.follows='a'",
+    THREE_FIELDS,
+    "body=[{name='a',center=[0.06,0.13,0.03],radius=0.012,motion=[{time=0},{time=0.002,translation=[0.002,0,0]},\
+    {time=0.02,translation=[0.002,0.02,0]}]},{name='b',center=[0.03,0.15,0.02],radius=0.008}]",
+];
 /// Settings of the method as printed.
 pub const PUBLISHED: &[&str] = &["method=published"];
 /// Settings with two bodies: one tumbles, one rests. Contacts that settle are remembered.
@@ -285,6 +293,8 @@ fn steps_are_those_of_the_reference() {
         &["hair.strands=1"],
         BODIES,
         PINNED,
+        FOLLOWS,
+        &[FOLLOWS, &["interaction.model=particles"]].concat()[..],
         WALLS,
         STARTED,
         &[WALLS, &["interaction.model=particles"]].concat()[..],

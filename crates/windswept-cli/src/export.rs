@@ -1,10 +1,10 @@
-//! `windswept export`: a film of a run's strands for other programs.
+//! `windswept export`: a film of a run for other programs.
 
 use std::path::{Path, PathBuf};
 
 use windswept::Frame;
-use windswept_export::{Film, Followers, Kind, Provenance, Units};
-use windswept_scene::{Outline, Scene};
+use windswept_export::{ExportError, Film, Followers, Kind, Provenance, Scenery, Units};
+use windswept_scene::{CheckedScene, Outline, Scene};
 
 use crate::arguments::ExportOptions;
 use crate::console::{Console, counted_frames};
@@ -27,13 +27,17 @@ pub(crate) fn export(options: &ExportOptions, console: &mut Console<'_>) -> Resu
     let [adapter, version] = hair.origin();
     let provenance = Provenance { scene: &outline.text, version: &version, adapter: &adapter, seed: outline.seed };
     let first = hair.frame(0)?.hair;
-    let followers = match options.followers {
-        false => None,
-        // They come from groom files, and stay out of meshes.
-        true => Some(
-            Followers::new(&Scene::load(output.scene())?.check()?, &first)
-                .map_err(|e| Failure::Input(e.to_string()))?,
-        ),
+    let beside = options.format.scenery && !options.hair_only;
+    // Followers come from groom files, and stay out of meshes, which bodies are too.
+    let scene = if options.followers || beside { Some(scene(output.scene(), options)?) } else { None };
+    let of_input = |e: ExportError| Failure::Input(e.to_string());
+    let followers = match &scene {
+        Some(scene) if options.followers => Some(Followers::new(scene, &first).map_err(of_input)?),
+        _ => None,
+    };
+    let scenery = match &scene {
+        Some(scene) if beside => Scenery::of(scene, &first, None).map_err(of_input)?,
+        _ => Scenery::default(),
     };
     let units = Units { metres: options.scale, up: options.up };
     let frame = |k| {
@@ -42,11 +46,25 @@ pub(crate) fn export(options: &ExportOptions, console: &mut Console<'_>) -> Resu
         Ok(Frame { hair: units.of(frame.hair), ..frame })
     };
     let _lock = options.out.is_none().then(|| output.lock_for(options.format.file)).transpose()?;
-    (options.format.write)(&path, &Film { frames, frame: &frame, rate: outline.time.frame_rate, provenance, units })?;
+    let time = &outline.time;
+    (options.format.write)(&path, &Film { frames, frame: &frame, scenery: &scenery, time, provenance, units })?;
+    // Arrays have times, and no time codes.
+    if let Some(uneven) = time.uneven().filter(|_| options.format.scenery) {
+        console.note(uneven);
+    }
     let strands = first.offsets.len() - 1;
     let hairs = followers.map(|followers| format!("{} hairs of ", followers.len())).unwrap_or_default();
     console.print(format_args!("{}: {hairs}{strands} strands, {}", path.display(), counted_frames(frames as u64)));
     Ok(())
+}
+
+/// The scene of the run, with its files.
+fn scene(path: PathBuf, options: &ExportOptions) -> Result<CheckedScene, Failure> {
+    let scene = Scene::load(path)?.check();
+    scene.map_err(|error| match options.followers {
+        true => error.into(),
+        false => Failure::Input(format!("{error}\n--hair-only writes a film without bodies and cameras")),
+    })
 }
 
 /// The file to write.

@@ -73,6 +73,9 @@ fn summary(curves: &Curves) -> Vec<(&'static str, String)> {
         },
     ));
     let (fit, dropped) = curves.clone().fit();
+    if dropped.padded > 0 {
+        rows.push(("padding", format!("behind the tips of {} strands, where a run cuts it off", dropped.padded)));
+    }
     if dropped.total() > 0 {
         rows.push(("left out", format!("{} strands, which cannot be simulated: {dropped}", dropped.total())));
     }

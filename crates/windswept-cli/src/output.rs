@@ -211,7 +211,7 @@ fn check_folder(dir: &Path, overwrite: bool) -> Result<(), Failure> {
 }
 
 /// Why a folder cannot be had. Where a file is in its way the path is wrong; else the disk refuses.
-fn no_folder(dir: &Path, error: &std::io::Error) -> Failure {
+pub(crate) fn no_folder(dir: &Path, error: &std::io::Error) -> Failure {
     let words = format!("{}: {error}", dir.display());
     match error.kind() {
         ErrorKind::NotADirectory | ErrorKind::AlreadyExists => Failure::Input(words),

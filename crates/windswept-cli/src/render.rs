@@ -13,29 +13,29 @@ use crate::console::Console;
 use crate::failure::Failure;
 use crate::finished::{OF_HAIR, OF_SCENE, check_folder, open, there};
 use crate::interrupt::Interrupt;
-use crate::output::Output;
+use crate::output::{Output, no_folder};
 use crate::progress::Progress;
 
 pub(crate) fn render(options: &RenderOptions, console: &mut Console<'_>) -> Result<(), Failure> {
     let run = FinishedRun::open(options)?;
-    let output = Output::of_run(&options.dir);
     match &options.contact_sheet {
         Some(times) => sheet(&run, times, &options.sheet_path(), options, console),
-        None => film(&run, &output, options, console),
+        None => film(&run, options.out.as_deref().unwrap_or(&options.dir), options, console),
     }
 }
 
-/// frames/ and preview.gif.
-fn film(run: &FinishedRun, output: &Output, options: &RenderOptions, console: &mut Console<'_>) -> Result<(), Failure> {
+/// frames/ and preview.gif in a folder.
+fn film(run: &FinishedRun, dir: &Path, options: &RenderOptions, console: &mut Console<'_>) -> Result<(), Failure> {
     let chosen = run.choose(options)?;
+    let output = Output::of_run(dir);
     if !options.overwrite && output.has_pictures() {
-        let dir = options.dir.display();
-        return Err(Failure::Input(format!("{dir}: has pictures already; --overwrite replaces them")));
+        return Err(Failure::Input(format!("{}: has pictures already; --overwrite replaces them", dir.display())));
     }
     output.check_pictures()?;
-    let _lock = Folder(&run.dir).lock()?;
+    std::fs::create_dir_all(dir).map_err(|error| no_folder(dir, &error))?;
+    let _lock = Folder(dir).lock()?;
     let gpu = gpu(options, console)?;
-    let mut pictures = Pictures::new(&run.dir, &gpu, &run.scene, &run.frame(0)?, None)?;
+    let mut pictures = Pictures::new(dir, &gpu, &run.scene, &run.frame(0)?, None)?;
     let interrupt = Interrupt::listen()?;
     output.remove_pictures()?;
     let mut progress = Progress::new("pictures", 0, chosen.len() as u64, console.terminal);
@@ -57,8 +57,8 @@ fn film(run: &FinishedRun, output: &Output, options: &RenderOptions, console: &m
     let finished = Box::new(pictures).finish();
     drawn?;
     finished?;
-    let [_, preview] = Pictures::FILES.map(|name| run.dir.join(name));
-    let done = format!("{}: {made} of {} pictures, {}", run.dir.display(), chosen.len(), preview.display());
+    let [_, preview] = Pictures::FILES.map(|name| dir.join(name));
+    let done = format!("{}: {made} of {} pictures, {}", dir.display(), chosen.len(), preview.display());
     if made < chosen.len() as u64 {
         return Err(Failure::Interrupted(format!("interrupted; {done}")));
     }
@@ -79,7 +79,7 @@ fn sheet(
         return Err(Failure::Input(format!("{}: expected a name that ends in .png", path.display())));
     }
     Output::of_run(&run.dir).check_place(path, "--out", options.overwrite)?;
-    let camera = &run.scene.camera;
+    let camera = &run.scene.cameras[0];
     check_sheet(&vec![(camera.width, camera.height); chosen.len()])
         .map_err(|error| Failure::Input(format!("--contact-sheet: {error}")))?;
     let gpu = gpu(options, console)?;
@@ -90,6 +90,17 @@ fn sheet(
     let shown: Vec<_> = chosen.iter().map(|&k| format!("{:.3}", run.times()[k])).collect();
     console.print(format_args!("{}: t = {} s", path.display(), shown.join(", ")));
     Ok(())
+}
+
+/// The scene with the camera of this name as its only one.
+fn taken_with(scene: &CheckedScene, name: &str) -> Result<CheckedScene, Failure> {
+    match scene.cameras.iter().find(|camera| camera.name == name) {
+        Some(camera) => Ok(scene.assuming(|_, values| values.cameras = vec![camera.clone()])),
+        None => {
+            let names: Vec<&str> = scene.cameras.iter().map(|camera| &*camera.name).collect();
+            Err(Failure::Input(format!("--camera: expected one of {}, found {name:?}", names.join(", "))))
+        }
+    }
 }
 
 fn gpu(options: &RenderOptions, console: &mut Console<'_>) -> Result<Gpu, Failure> {
@@ -122,6 +133,10 @@ impl FinishedRun {
         let scene = there(output.scene(), OF_SCENE)?;
         let hair = there(output.film(Kind::Hair), OF_HAIR)?;
         let scene = Scene::load_with(scene, &options.sets)?.check()?;
+        let scene = match &options.camera {
+            Some(name) => taken_with(&scene, name)?,
+            None => scene,
+        };
         let air = match scene.picture.air {
             AirPicture::None => None,
             _ => Some(open(

@@ -88,6 +88,9 @@ fn start(options: &RunOptions, path: &Path, out: &Path, console: &mut Console<'_
     for warning in simulation.initial().warnings.iter().cloned().chain(Schedule::warning(&scene.time)) {
         console.warn(warning);
     }
+    if let Some(uneven) = scene.time.uneven().filter(|_| formats.iter().any(|format| format.name == "usd")) {
+        console.note(uneven);
+    }
     let recording = Recording::new(&formats, &mut simulation, out, room(&schedule)).map_err(refused_at_start)?;
     let _lock = output.create(&scene)?;
     let notes = Notes::new(options.steps, &formats, options.checkpoint_every);

@@ -103,7 +103,7 @@ for name, film in [('all.usda', 'all.npz'), ('all.usdc', 'all.npz'), ('out/film.
                    ('out/film.usdc', 'out/film.npz'), ('out/hair.usda', 'out/film.npz')]:
     film = np.load(film)
     stage = Usd.Stage.Open(name)
-    curves = UsdGeom.BasisCurves(stage.GetDefaultPrim())
+    curves = UsdGeom.BasisCurves(stage.GetDefaultPrim().GetChild('Hair'))
     codes = curves.GetPointsAttr().GetTimeSamples()
     assert np.allclose(np.array(codes) / 60, film['times'], rtol=1e-9), (name, codes)
     assert np.array_equal([curves.GetPointsAttr().Get(code) for code in codes], film['positions']), name
@@ -139,7 +139,7 @@ else:
     names = ['cm.usda', 'cm.usdc']
 for name in names:
     stage = Usd.Stage.Open(name)
-    curves = UsdGeom.BasisCurves(stage.GetDefaultPrim())
+    curves = UsdGeom.BasisCurves(stage.GetDefaultPrim().GetChild('Hair'))
     assert UsdGeom.GetStageUpAxis(stage) == 'Z' and UsdGeom.GetStageMetersPerUnit(stage) == 0.01, name
     assert np.array_equal(curves.GetPointsAttr().Get(0), cm['positions'][0]), name
     assert np.array_equal(curves.GetWidthsAttr().Get(), 2 * cm['radius']), name
@@ -165,13 +165,96 @@ fn a_film_of_strands_needs_no_mesh() {
     fs::write(folder.join("scene.toml"), format!("{scene}\n{body}")).expect("a scene");
     assert_eq!(run(folder, &["--steps", "1", "--formats", "vtkhdf"]).status.code(), Some(0));
     fs::remove_file(folder.join("wedge.obj")).expect("the mesh");
-    let done = export(folder, &["usd"]);
+    let refused = export(folder, &["usd"]);
+    let said = String::from_utf8_lossy(&refused.stderr).into_owned();
+    assert!(refused.status.code() == Some(2) && said.contains("--hair-only"), "{said}");
+    let done = export(folder, &["usd", "--hair-only"]);
     assert_eq!(done.status.code(), Some(0), "{done:?}");
     let film = fs::read_to_string(folder.join("out/film.usda")).expect("a film");
-    assert!(film.contains("wedge.obj") && film.contains("framesPerSecond"));
+    assert!(
+        !film.contains("def Mesh")
+            && !film.contains("def Camera")
+            && film.contains("wedge.obj")
+            && film.contains("framesPerSecond")
+    );
     let refused = export(folder, &["npz", "--followers"]);
     let said = String::from_utf8_lossy(&refused.stderr).into_owned();
     assert!(refused.status.code() == Some(2) && said.contains("wedge.obj: cannot be read"), "{said}");
+}
+
+/// Hair, body and camera of a film are in one unit and one axis up, and at one time: the body where its keyframes have
+/// it, in the stage that a run wrote and in an export, in metres and in centimetres.
+#[test]
+fn bodies_and_cameras_go_with_the_hair() {
+    let folder = folder();
+    let folder = folder.path();
+    let scene = fs::read_to_string(folder.join("scene.toml")).expect("the scene");
+    let body = "[[body]]\nname = \"ball\"\ncenter = [0.01, 0.02, 0.06]\nradius = 0.004\nmotion = [{ time = 0.0 }, \
+                { time = 0.1, translation = [0.02, 0.01, 0.03], rotation = [0, 1.5, 0] }]\n";
+    let camera = "[camera]\neye = [0.1, 0.2, 0.3]\ntarget = [0.02, 0.02, 0.02]\nfov = 40\n";
+    fs::write(folder.join("scene.toml"), format!("{scene}\n{body}\n{camera}")).expect("a scene");
+    let ran =
+        run(folder, &["--formats", "vtkhdf,usd", "--set", "interaction.model=none", "--set", "time.frame_rate=70"]);
+    let note = |output: &Output| String::from_utf8_lossy(&output.stderr).contains("puts them at whole ones");
+    assert!(ran.status.code() == Some(0) && note(&ran), "{ran:?}");
+    for more in [&["--out", "m.usda"][..], &["--up", "z", "--scale", "0.01", "--out", "cm.usda"]] {
+        let done = export(folder, &[&["usd"], more].concat());
+        assert!(done.status.code() == Some(0) && note(&done), "{done:?}");
+    }
+    if !has_usd() {
+        return;
+    }
+    let program = "
+import numpy as np
+from pxr import Usd, UsdGeom
+swap = np.array([[1, 0, 0], [0, 0, 1], [0, -1, 0]])  # rows: x, y, z of windswept in a film with z up
+found = []
+for name, to, unit in [('out/hair.usda', np.eye(3), 1), ('m.usda', np.eye(3), 1), ('cm.usda', swap, 0.01)]:
+    stage = Usd.Stage.Open(name)
+    film = stage.GetDefaultPrim()
+    hair, ball, camera = (film.GetChild(child) for child in ['Hair', 'ball', 'camera'])
+    points = UsdGeom.BasisCurves(hair).GetPointsAttr()
+    own = np.array(UsdGeom.Mesh(ball).GetPointsAttr().Get())
+    assert np.abs(np.linalg.norm(own, axis=1) * unit - 0.004).max() < 1e-8
+    codes = points.GetTimeSamples()
+    transforms = UsdGeom.Xformable(ball).GetOrderedXformOps()[0].GetAttr()
+    assert transforms.GetTimeSamples() == codes and len(codes) == 8 and codes[1] != 1
+    for code in codes:
+        world = np.array(UsdGeom.XformCache(code).GetLocalToWorldTransform(ball))
+        part = min(code / 70 / 0.1, 1)
+        place = np.array([0.01, 0.02, 0.06]) + part * np.array([0.02, 0.01, 0.03])
+        assert np.allclose(world[3, :3] * unit, place @ to, atol=1e-9), (name, code)
+        s, c = np.sin(1.5 * part), np.cos(1.5 * part)
+        turn = np.array([[c, 0, -s], [0, 1, 0], [s, 0, c]])  # rows
+        assert np.allclose(world[:3, :3], to.T @ turn @ to, atol=1e-9), (name, code)
+    lens = UsdGeom.Camera(camera).GetCamera(0)
+    eye, forward = (np.array(v) for v in [lens.frustum.position, lens.frustum.ComputeViewDirection()])
+    assert np.allclose(eye * unit, np.array([0.1, 0.2, 0.3]) @ to, atol=1e-9)
+    aim = np.array([-0.08, -0.18, -0.28]) @ to
+    assert np.allclose(forward, aim / np.linalg.norm(aim), atol=1e-9)
+    assert np.isclose(lens.GetFieldOfView(lens.FOVVertical), 40) and np.isclose(lens.aspectRatio, 960 / 540)
+    # Lengths of a camera are in tenths of a unit: 36 mm of film.
+    assert np.isclose(lens.horizontalAperture * unit / 10, 0.036)
+    found.append(np.array([points.Get(code) for code in codes]) * unit @ to.T)
+assert all(np.allclose(one, found[0], atol=1e-8) for one in found)
+print('together')
+";
+    assert_eq!(asked(folder, program), "together");
+    // A step that fits gives whole time codes, and no word about them.
+    let ran = run(folder, &["--formats", "vtkhdf,usd", "--overwrite", "--set", "time.step=0.00166667"]);
+    assert!(ran.status.code() == Some(0) && !note(&ran), "{ran:?}");
+    let program = "
+from pxr import Usd
+stage = Usd.Stage.Open('out/hair.usda')
+print(stage.GetPrimAtPath('/Film/Hair').GetAttribute('points').GetTimeSamples())
+";
+    assert_eq!(asked(folder, program), "[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0]");
+    assert_eq!(listing(&folder.join("out/bodies")), ["0000.usda"]);
+    // What a run left goes with it, and what is another's stays.
+    fs::write(folder.join("out/bodies/0001.usda"), "mine").expect("a file");
+    let ran = run(folder, &["--steps", "1", "--formats", "none", "--overwrite"]);
+    assert_eq!(ran.status.code(), Some(0), "{ran:?}");
+    assert_eq!(listing(&folder.join("out/bodies")), ["0001.usda"]);
 }
 
 /// Beside a film in USD's binary form no file changes, whether it is made or not: the parts of a film in the making

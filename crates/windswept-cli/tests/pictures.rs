@@ -57,6 +57,42 @@ fn render_makes_the_runs_pictures() {
     assert_eq!(pictures(folder)[0].1[16..24], [480_u32.to_be_bytes(), 540_u32.to_be_bytes()].concat());
 }
 
+/// Each camera's pictures are made by its name, into a folder of their own, beside those of the run; a film has them
+/// all.
+#[test]
+fn each_camera_has_its_pictures() {
+    let folder = folder();
+    let folder = folder.path();
+    let scene = fs::read_to_string(folder.join("scene.toml")).expect("the scene");
+    let cameras = "[[camera]]\nname = \"front\"\nwidth = 320\nheight = 180\n[[camera]]\nname = \"side\"\nwidth = 200\n\
+                   height = 300\neye = [0.3, 0.02, 0.02]\ntarget = [0.0, 0.02, 0.02]\n";
+    fs::write(folder.join("scene.toml"), format!("{scene}\n{cameras}")).expect("a scene");
+    assert_eq!(run(folder, &["--steps", "12"]).status.code(), Some(0));
+    let runs = pictures(folder);
+    let made = |camera: &str, out: &str| {
+        let (status, said) = render(folder, &["--camera", camera, "--out", out]);
+        assert!(status == Some(0) && said.contains(&format!("{out}: 2 of 2 pictures")), "{said}");
+        assert_eq!(listing(&folder.join(out)), ["frames", "preview.gif"]);
+        let read =
+            |name: String| (name.clone(), fs::read(folder.join(out).join("frames").join(name)).expect("a picture"));
+        listing(&folder.join(out).join("frames")).into_iter().map(read).collect::<Vec<_>>()
+    };
+    assert!(made("front", "views/front") == runs, "not the run's pictures");
+    let side = made("side", "views/side");
+    assert_eq!(side[0].1[16..24], [200_u32.to_be_bytes(), 300_u32.to_be_bytes()].concat());
+    assert!(pictures(folder) == runs, "the run's pictures changed");
+    let (status, said) = render(folder, &["--camera", "side", "--out", "views/side"]);
+    assert!(status == Some(2) && said.contains("views/side: has pictures already"), "{said}");
+    // A key of one of them, by its name.
+    let (status, said) = render(folder, &["--overwrite", "--camera", "side", "--set", "camera.side.width=240"]);
+    assert_eq!(status, Some(0), "{said}");
+    assert_eq!(pictures(folder)[0].1[16..24], [240_u32.to_be_bytes(), 300_u32.to_be_bytes()].concat());
+    let done = windswept(folder, &["export", "out", "--format", "usd"]).output().expect("the program starts");
+    assert_eq!(done.status.code(), Some(0), "{done:?}");
+    let film = fs::read_to_string(folder.join("out/film.usda")).expect("a film");
+    assert!(["front", "side"].iter().all(|name| film.contains(&format!("def Camera \"{name}\""))), "{film}");
+}
+
 /// Pictures of others stay, however they are called, unless a frame takes their name; the target of a link stays in any
 /// case.
 #[test]
@@ -164,8 +200,9 @@ fn bad_requests_touch_nothing() {
             &["--contact-sheet", "0,0.017", "--set", "camera.width=12000", "--set", "camera.height=6000"],
             "2 pictures of 12000 x 6000 pixels are too many for a contact sheet of 134217728 pixels; expected at most 1",
         ),
-        (&["--set", "camera.eye=[1,1,1]"], "camera.target: is missing"),
-        (&["--out", "sheet.png"], "--contact-sheet"),
+        (&["--set", "camera.eye=[1,1,1]"], "camera.0.target: is missing"),
+        (&["--camera", "back"], "--camera: expected one of camera, found \"back\""),
+        (&["--out", "out/scene.toml"], "out/scene.toml"),
     ] {
         let (status, said) = render(folder, &[&["--overwrite"], more].concat());
         assert!(status == Some(2) && said.contains(word), "{more:?}: {said}");

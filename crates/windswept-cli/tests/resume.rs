@@ -17,11 +17,12 @@ use windswept::{AdapterChoice, Checkpoint, Frame, Gpu};
 use windswept_export::VtkHdfReader;
 
 /// Files of a run with films, pictures and a checkpoint.
-const FILES: [&str; 10] = [
+const FILES: [&str; 11] = [
     "air.vtkhdf",
     "checkpoint.windswept",
     "frames",
     "hair.extent.usda",
+    "hair.points.usda",
     "hair.usda",
     "hair.velocities.usda",
     "hair.vtkhdf",

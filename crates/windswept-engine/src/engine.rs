@@ -127,7 +127,10 @@ impl Engine {
         self.write(&s.mesh, &setup.mesh_uniforms())?;
         self.write(&s.iteration, &setup.iterations)?;
         self.write(&s.taps, &setup.meshes.taps)?;
-        self.write(&s.status, &[Status { wind: [u, v, w], wind_before: [u, v, w], ..status::start() }])?;
+        let frame_velocity = setup.frame_table.first().map_or([0.0; 3], |entry| entry.velocity);
+        let status = Status { wind: [u, v, w], wind_before: [u, v, w], frame_velocity, ..status::start() };
+        self.write(&s.status, &[status])?;
+        self.write(&s.frame_table, &setup.frame_table)?;
         self.write(&s.wind_table, &setup.wind_table)?;
         self.write(&s.inflow, &setup.waves)?;
         self.write(&s.fields, &setup.fields.fields)?;

@@ -2,7 +2,7 @@
 
 use windswept_scene::{CheckedScene, Counts, FluidSolver, Groom, InitialState};
 use windswept_shaders::{
-    common::{inflow::Wave, list::PAGES, mesh::Mesh, params::Params},
+    common::{frame::Entry, inflow::Wave, list::PAGES, mesh::Mesh, params::Params},
     fluid::divergence::Iteration,
 };
 
@@ -32,6 +32,7 @@ pub struct Setup<'a> {
     pub(crate) iterations: Vec<Iteration>,
     pub(crate) motions: Motions,
     pub(crate) wind_table: Vec<[f32; 4]>,
+    pub(crate) frame_table: Vec<Entry>,
     pub(crate) waves: Vec<Wave>,
     pub(crate) fields: Fields,
     sizes: Sizes,
@@ -51,6 +52,7 @@ impl<'a> Setup<'a> {
         let coarse = on_coarse_grid.then(|| Coarse::new(initial, meshes.uniforms.len()));
         let motions = Motions::new(scene);
         let wind_table = winds::table(scene);
+        let frame_table = winds::frame_table(scene);
         let waves = winds::waves(scene, initial);
         let fields = Fields::new(scene, initial);
         let nodes = meshes.nodes.min(u32::MAX.into()) as u32;
@@ -83,6 +85,7 @@ impl<'a> Setup<'a> {
             deforming: bodies::frames(scene).flatten().count() as u32,
             bonds: if bonds::are_on(scene) { params.strands } else { 0 },
             wind_table: wind_table.len() as u32,
+            frame_table: frame_table.len() as u32,
             waves: waves.len() as u32,
             fields: fields.fields.len() as u32,
             field_keys: fields.keyframes.len() as u32,
@@ -92,7 +95,21 @@ impl<'a> Setup<'a> {
             nodes,
             taps: meshes.taps.len() as u32,
         };
-        Self { scene, initial, params, bands, meshes, coarse, iterations, motions, wind_table, waves, fields, sizes }
+        Self {
+            scene,
+            initial,
+            params,
+            bands,
+            meshes,
+            coarse,
+            iterations,
+            motions,
+            wind_table,
+            frame_table,
+            waves,
+            fields,
+            sizes,
+        }
     }
 
     /// How many of everything, with a neighbour list of no entries.

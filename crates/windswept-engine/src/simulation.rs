@@ -109,7 +109,7 @@ pub struct Buffers<'a> {
     /// Position of each particle less `origin` \[m\], and its volume \[m³\]; hair points first, then air in the order
     /// of its slots.
     pub positions: &'a wgpu::Buffer,
-    /// Velocity of each particle \[m/s\]; the fourth number means nothing.
+    /// Velocity of each particle \[m/s\], less that of the frame of `air.follows`; the fourth number means nothing.
     pub velocities: &'a wgpu::Buffer,
     /// Stable id of the particle in each slot of air, a `u32`. Air lies in memory as it lies in the box, so that a step
     /// may give a particle another slot; a caller that draws all air alike does not need the ids.
@@ -120,7 +120,7 @@ pub struct Buffers<'a> {
     pub hair_points: u32,
     /// Number of air particles.
     pub air_particles: u32,
-    /// Origin of the positions in the world \[m\].
+    /// Origin of the positions in the world \[m\], which moves with `air.follows`.
     pub origin: DVec3,
 }
 
@@ -483,8 +483,23 @@ impl Simulation {
             orientations: self.engine.buffer(&s.orientation),
             hair_points: self.engine.sizes().hair_points,
             air_particles: self.engine.sizes().air(),
-            origin: self.initial.origin,
+            origin: self.origin(),
         }
+    }
+
+    /// Origin of the engine's positions in the world now \[m\]: it goes with the frame of `air.follows`.
+    fn origin(&self) -> DVec3 {
+        self.initial.origin + self.scene.frame_place(self.time())
+    }
+
+    /// That at the end of the next step of Δt.
+    fn origin_after_step(&self) -> DVec3 {
+        self.initial.origin + self.scene.frame_place(self.time() + self.dt())
+    }
+
+    /// Velocity of the frame of `air.follows` \[m/s\].
+    fn frame_velocity(&self) -> DVec3 {
+        DVec3::from_array(self.last.frame_velocity.map(f64::from))
     }
 
     /// The engine that runs the steps.
@@ -501,9 +516,9 @@ impl Simulation {
     pub fn frame(&self) -> Result<Frame, RunError> {
         let s = self.engine.state();
         let hair = self.engine.sizes().hair_points as usize;
-        let origin = self.initial.origin;
+        let (origin, moves) = (self.origin(), self.last.frame_velocity);
         let world = |p: &[f32; 4]| in_world(p, origin);
-        let xyz = |v: &[f32; 4]| [v[0], v[1], v[2]];
+        let xyz = |v: &[f32; 4]| [v[0] + moves[0], v[1] + moves[1], v[2] + moves[2]];
         let slots = self.engine.slots()?;
         let arrays = [&s.position, &s.velocity, &s.orientation];
         let strands = self.engine.read(&s.strand_history)?;
@@ -532,9 +547,10 @@ impl Simulation {
     #[must_use]
     pub fn hair_at_start(&self) -> HairFrame {
         let (hair, origin) = (&self.initial.hair, self.initial.origin);
+        let moves = self.scene.frame_table().first().map_or(DVec3::ZERO, |entry| entry.velocity);
         HairFrame {
             positions: hair.positions.iter().map(|x| in_world(&vec4(*x - origin, 0.0), origin)).collect(),
-            velocities: hair.velocities.iter().map(|v| v.as_vec3().to_array()).collect(),
+            velocities: hair.velocities.iter().map(|v| (*v + moves).as_vec3().to_array()).collect(),
             orientations: hair.orientations.iter().map(|q| quat(*q)).collect(),
             root_frames: hair.root_frame.iter().map(|q| quat(*q)).collect(),
             ..self.lasting_hair()

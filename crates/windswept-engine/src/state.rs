@@ -18,6 +18,7 @@ use windswept_shaders::{
         contact::{Contact, ContactHistory},
         dispatch::WORKGROUP,
         field::Field,
+        frame::Entry,
         friction_point::FrictionPoint,
         inflow::Wave,
         lanes::LANES,
@@ -93,6 +94,8 @@ pub struct Sizes {
     pub bonds: u32,
     /// Entries of the table of the mean wind.
     pub wind_table: u32,
+    /// Entries of the table of the frame of `air.follows`, with room for a motion that is set.
+    pub frame_table: u32,
     /// Waves of the inflow.
     pub waves: u32,
     /// Force fields.
@@ -295,6 +298,8 @@ state! {
     pins: Pin, |s| s.hair_points;
     /// Mean wind \[m/s\]; w: time \[s\]; linear in between.
     wind_table: Vec4, |s| s.wind_table;
+    /// Way \[m\] and velocity \[m/s\] of the frame of `air.follows`, with times \[s\]; linear in between.
+    frame_table: Entry, |s| s.frame_table;
     /// Acceleration that was set \[m/s²\]: of hair points, then of air by stable id.
     pushed: Vec4, |s| s.pushed;
     [Static]

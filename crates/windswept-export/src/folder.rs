@@ -1,6 +1,7 @@
 //! A folder that films and pictures are written into: whose it is, and which files in it are a writer's own.
 
 use std::fs::{self, File, OpenOptions};
+use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use fs4::{FileExt, TryLockError};
@@ -8,6 +9,7 @@ use windswept_scene::{AtomicFile, remove};
 
 use crate::error::ExportError;
 use crate::picture::is_own_picture;
+use crate::usd::LAYER;
 
 /// The file that is locked while a run or a writer writes into its folder. A killed run leaves the file, unlocked.
 pub const LOCK: &str = ".windswept.lock";
@@ -24,7 +26,8 @@ pub const SHEET: &str = "contact-sheet.png";
 /// process is killed.
 pub(crate) const WORKSHOP: &str = ".windswept-film-";
 
-/// A folder with files of such names as [`crate::Format::files`] has: a stem of zeros stands for a file per frame.
+/// A folder with files of such names as [`crate::Format::files`] has: a stem of zeros stands for a file per frame or
+/// body.
 #[derive(Debug, Clone, Copy)]
 pub struct Folder<'a>(pub &'a Path);
 
@@ -86,7 +89,7 @@ impl Folder<'_> {
     #[must_use]
     pub fn own(&self, names: &[&str]) -> Vec<PathBuf> {
         let (series, single): (Vec<&str>, Vec<&str>) = names.iter().partition(|name| series(name).is_some());
-        let made = self.found(&series).into_iter().filter(|path| is_own_picture(path));
+        let made = self.found(&series).into_iter().filter(|path| is_own_picture(path) || is_own_layer(path));
         made.chain(self.found(&single)).collect()
     }
 
@@ -163,6 +166,18 @@ impl Drop for Lock {
         }
     }
 }
+
+/// Whether a path is that of a film's layer.
+fn is_own_layer(path: &Path) -> bool {
+    let mut head = String::new();
+    // A path that is no file may never end.
+    let is_file = path.symlink_metadata().is_ok_and(|found| found.is_file());
+    let mut read = || File::open(path).ok()?.take(HEAD).read_to_string(&mut head).ok();
+    is_file && read().is_some() && head.contains(LAYER)
+}
+
+/// Bytes of a layer in which it says whose it is.
+const HEAD: u64 = 64;
 
 fn remove_file(path: PathBuf) -> Result<(), ExportError> {
     remove(&path).map_err(|error| failed(path, "could not be removed", &error))

@@ -21,7 +21,7 @@ pub struct Format {
     /// Contents of its files, as the helps of these options and the warning `no more {writes}` name them.
     pub writes: &'static str,
     /// Names of the files that a run writes within its folder; none where it writes none. A stem of zeros, as in
-    /// `frames/0000.png`, stands for a file per frame.
+    /// `frames/0000.png`, stands for a file per frame or body.
     pub files: &'static [&'static str],
     /// `windswept render` can make these files from the others. A run goes on without them when one cannot be written,
     /// since what was simulated is worth more.
@@ -41,6 +41,8 @@ pub type CreateSink = fn(&Start<'_>) -> Result<Box<dyn FrameSink>, ExportError>;
 pub struct FilmFile {
     /// Name of the file in the run's folder; films of this format have its suffix.
     pub file: &'static str,
+    /// Whether it has [`Film::scenery`].
+    pub scenery: bool,
     /// Writes a film into the file of a path, which is replaced once all is written.
     pub write: fn(&Path, &Film<'_>) -> Result<(), ExportError>,
 }
@@ -61,19 +63,19 @@ pub const FORMATS: &[Format] = &[
     },
     Format {
         name: "usd",
-        writes: "strands as USD text, for Blender, Houdini, Maya, usdview",
+        writes: "strands, bodies and cameras as USD text, for Blender, Houdini, Maya, usdview",
         files: &UsdWriter::FILES,
         made_again: false,
         create: Some(|start| Ok(Box::new(UsdFilm::new(start)?))),
-        film: Some(FilmFile { file: "film.usda", write: write_usd }),
+        film: Some(FilmFile { file: "film.usda", scenery: true, write: write_usd }),
     },
     Format {
         name: "usdc",
-        writes: "strands as USD numbers, a third as large, by a Python with usd-core",
+        writes: "the same as USD numbers, a third as large, by a Python with usd-core",
         files: &[],
         made_again: false,
         create: None,
-        film: Some(FilmFile { file: "film.usdc", write: write_usdc }),
+        film: Some(FilmFile { file: "film.usdc", scenery: true, write: write_usdc }),
     },
     Format {
         name: "npz",
@@ -81,7 +83,7 @@ pub const FORMATS: &[Format] = &[
         files: &[],
         made_again: false,
         create: None,
-        film: Some(FilmFile { file: "film.npz", write: write_npz }),
+        film: Some(FilmFile { file: "film.npz", scenery: false, write: write_npz }),
     },
     Format {
         name: "png",
@@ -119,7 +121,7 @@ impl Format {
 }
 
 /// Every name that a run writes: its formats' files, the report, the scene and the checkpoint. As in
-/// [`Format::files`], a stem of zeros stands for a file per frame.
+/// [`Format::files`], a stem of zeros stands for a file per frame or body.
 #[must_use]
 pub fn files_of_run() -> Vec<&'static str> {
     // Files that mark a run as whole come first: they are the first to be removed.

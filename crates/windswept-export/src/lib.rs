@@ -31,7 +31,7 @@ mod usd;
 mod vtkhdf;
 
 pub use error::ExportError;
-pub use film::{Film, Units, UpAxis};
+pub use film::{Film, Scenery, Units, UpAxis};
 pub use folder::{CHECKPOINT, Folder, LOCK, Lock, REPORT, SCENE, SHEET, real_path};
 pub use followers::Followers;
 pub use formats::{CreateSink, DEFAULT_FORMATS, FORMATS, FilmFile, Format, files_of_run, files_with_made};

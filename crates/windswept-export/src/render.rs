@@ -20,7 +20,7 @@ use glam::{DVec3, Vec3};
 use image::RgbaImage;
 use windswept_engine::gpu::wgpu;
 use windswept_engine::{Frame, Gpu, HairFrame};
-use windswept_scene::{AirPicture, CheckedScene, Curves};
+use windswept_scene::{AirPicture, Camera, CheckedScene, Curves};
 use windswept_shaders::pictures::common::FINE;
 
 use crate::error::ExportError;
@@ -38,8 +38,8 @@ const MAX_BETWEEN: u32 = 12;
 
 /// Draws frames of one scene.
 ///
-/// About `picture.hairs` hairs are interpolated between the simulated strands; the scene's camera takes the picture, or
-/// one that frames the hair for the whole film. The same frame on the same adapter gives the same picture, whatever was
+/// About `picture.hairs` hairs are interpolated between the simulated strands; the scene's first camera takes the
+/// picture, unless [`Renderer::look_through`] takes another. The same frame on the same adapter gives the same picture, whatever was
 /// drawn before.
 #[derive(Debug)]
 pub struct Renderer {
@@ -82,15 +82,8 @@ impl Renderer {
     ) -> Result<Self, ExportError> {
         check(start)?;
         let groom = Groom::new(scene, start, groom, scene.picture.hairs)?;
-        let view = View::new(scene, &groom.followers)?;
-        let limits = gpu.device().limits();
-        let most = limits.max_texture_dimension_2d / FINE;
-        if view.width.max(view.height) > most {
-            return Err(refused(format!(
-                "camera.width and camera.height ask for {} x {} pixels, the adapter draws at most {most} x {most}",
-                view.width, view.height
-            )));
-        }
+        let view = View::new(scene, &scene.cameras[0], &groom.followers)?;
+        check_size(gpu, &view)?;
         let hairs = groom.hairs.len() as u32;
         let samples = samples(groom.followers.start());
         let fits = gpu.largest_binding() / (u64::from(samples) * 16);
@@ -122,7 +115,21 @@ impl Renderer {
         })
     }
 
-    /// The camera: the scene's, or the one that frames the hair.
+    /// Takes the next pictures with another camera.
+    ///
+    /// # Errors
+    /// As [`Self::new`]; then the camera is the one before.
+    pub fn look_through(&mut self, camera: &Camera) -> Result<(), ExportError> {
+        let view = View::new(&self.scene, camera, &self.groom.followers)?;
+        if (view.width, view.height) != (self.view.width, self.view.height) {
+            check_size(&self.gpu, &view)?;
+            self.target = Target::new(&self.gpu, view.width, view.height)?;
+        }
+        self.view = view;
+        Ok(())
+    }
+
+    /// The camera: where it stands, or where it frames the hair from.
     #[must_use]
     pub fn view(&self) -> &View {
         &self.view
@@ -191,6 +198,18 @@ impl Renderer {
         // Invisible points are left out.
         Ok(frame.air.positions.iter().zip(values).map(point).filter(|p| p[3] > 0.02).collect())
     }
+}
+
+/// Checks that the adapter draws pictures as large as a camera's.
+fn check_size(gpu: &Gpu, view: &View) -> Result<(), ExportError> {
+    let most = gpu.device().limits().max_texture_dimension_2d / FINE;
+    if view.width.max(view.height) <= most {
+        return Ok(());
+    }
+    Err(refused(format!(
+        "camera.width and camera.height ask for {} x {} pixels, the adapter draws at most {most} x {most}",
+        view.width, view.height
+    )))
 }
 
 /// Checks that there are strands, whole and finite.

@@ -1,22 +1,26 @@
-//! USD: strands as BasisCurves with time samples, as text.
+//! USD: strands as BasisCurves with time samples, bodies and cameras beside them, as text.
 //!
 //! ```text
 //! #usda 1.0
 //! ( endTimeCode, upAxis, metersPerUnit, timeCodesPerSecond,
 //!   customLayerData.windswept: version, adapter, seed, scene )
-//! def BasisCurves "Hair"      cubic, catmullRom, pinned: curves go through their vertices, which are a strand's points
-//!     curveVertexCounts       points of each strand
-//!     widths                  \[m\], vertex: a fibre's diameter
-//!     primvars:groom_id, primvars:groom_group_id, primvars:groom_root_uv, primvars:groom_guide    uniform
-//!     points.timeSamples      \[m\] at time codes t timeCodesPerSecond
-//!     velocities.timeSamples  \[m/s\]
-//!     extent.timeSamples      \[m\]: corners of the box about the curves with their widths
+//! def Xform "Film"
+//!     def Camera …                    along its -z, its picture's field of view and aspect
+//!     def BasisCurves "Hair"          cubic, catmullRom, pinned: curves go through a strand's points
+//!         curveVertexCounts           points of each strand
+//!         widths                      \[m\], vertex: a fibre's diameter
+//!         primvars:groom_id, primvars:groom_group_id, primvars:groom_root_uv, primvars:groom_guide    uniform
+//!         points.timeSamples          \[m\] at time codes of Time::code
+//!         velocities.timeSamples      \[m/s\]
+//!         extent.timeSamples          \[m\]: corners of the box about the curves with their widths
+//!     def Mesh …                      a body: points about its centre
+//!         xformOp:transform.timeSamples
 //! ```
 //!
 //! A text file can only grow at its end, and in a file the samples of one attribute follow one another. So
-//! [`UsdWriter`], which writes a film while it is simulated, gives each of the three attributes a layer of its own; the
-//! one with the points has the others as its sublayers. [`write_usd`] makes one file of a film that is there already,
-//! an attribute at a time.
+//! [`UsdWriter`], which writes a film while it is simulated, gives each of the attributes with samples a layer of its
+//! own, and the stage refers to them. [`write_usd`] makes one file of a film that is there
+//! already, an attribute at a time.
 //!
 //! A layer that grows ends with `END`, which closes what is open and begins a comment. A sample is written into the
 //! comment, with an `END` of its own, and then the one before it is made blank by a single write. So a layer can be
@@ -29,43 +33,46 @@ mod layer;
 mod text;
 
 use std::fmt::Write as _;
+use std::fs;
 use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
 use windswept_engine::{Frame, HairFrame};
-use windswept_scene::AtomicFile;
+use windswept_scene::{AtomicFile, CheckedScene, Time};
 
 pub(crate) use self::binary::write_usdc;
-use self::layer::{Layer, failed};
-use self::text::{ROOM, SAMPLED, Sampled, meta, prim, sample, stage, still};
+use self::layer::{Layer, Stage, failed};
+pub(crate) use self::text::LAYER;
+use self::text::{HAIR, Prim, Sampled, layer, prims, sample, stage};
 use crate::error::ExportError;
-use crate::film::Film;
+use crate::film::{Film, Scenery, Units};
 use crate::provenance::Provenance;
 use crate::sink::{FrameSink, Start, is_later};
 use crate::strands::check_strands;
 
-/// Writes a film of strands while it is made, and keeps no frame in memory.
+/// Writes a film of strands, and of bodies beside them, while it is made, and keeps no frame in memory.
 ///
 /// Every frame that [`UsdWriter::append`] returned from is in the files, whatever becomes of the process.
-#[derive(Debug)]
 pub struct UsdWriter {
-    path: PathBuf,
-    layers: Vec<Layer>,
+    stage: Stage,
+    /// The layers, that of the points first, and what is sampled in each.
+    layers: Vec<(Layer, Sampled)>,
+    scenery: Scenery,
+    time: Time,
     /// First point of each strand, and the number of points.
     offsets: Vec<u32>,
-    /// Time codes per second.
-    rate: f64,
+    /// Time code of the last frame.
     last: f64,
     /// Text of a sample; the memory is used again.
     text: String,
 }
 
 impl UsdWriter {
-    /// Names of the files of a film: the stage, and the layers that it is composed of besides.
-    pub const FILES: [&str; 3] = [SAMPLED[0].file, SAMPLED[1].file, SAMPLED[2].file];
+    /// Names of the files of a film: the stage, and the layers that it is composed of, of which each body has one.
+    pub const FILES: [&str; 5] = ["hair.usda", HAIR[0], HAIR[1], HAIR[2], "bodies/0000.usda"];
 
-    /// Begins a film in a folder with the strands of `hair`, at `rate` time codes per second. Files of its names are
-    /// replaced.
+    /// Begins a film in a folder with the strands of `hair`, whose steps and frames are those of `time`. Files of its
+    /// names are replaced.
     ///
     /// # Errors
     /// [`ExportError::Frame`] if there is no strand or its arrays make no sense; [`ExportError::File`] if a file cannot
@@ -73,47 +80,69 @@ impl UsdWriter {
     pub fn create(
         folder: &Path,
         hair: &HairFrame,
-        rate: f64,
+        scenery: Scenery,
+        time: &Time,
         provenance: &Provenance<'_>,
     ) -> Result<Self, ExportError> {
         let path = folder.join(Self::FILES[0]);
         check(hair).map_err(|problem| ExportError::Frame { path: path.clone(), problem })?;
-        // The stage comes last: it must find its sublayers.
-        let mut layers = Vec::new();
-        for sampled in SAMPLED.iter().rev() {
-            let head = meta(sampled, rate, provenance) + &prim(sampled, hair);
-            layers.push(Layer::create(folder.join(sampled.file), head)?);
+        let prims = prims(hair, &scenery, Units::default());
+        let rate = time.frame_rate;
+        let composed: String = prims.iter().map(Prim::composed).collect();
+        let text = stage(rate, provenance, &scenery, Units::default(), 0.0) + &composed + "}\n";
+        if !scenery.bodies.is_empty() {
+            let bodies = folder.join("bodies");
+            let made = fs::create_dir(&bodies).or_else(|e| if bodies.is_dir() { Ok(()) } else { Err(e) });
+            made.map_err(|e| failed(&bodies, "could not be made", &e))?;
         }
-        layers.reverse();
-        Ok(Self { path, layers, offsets: hair.offsets.clone(), rate, last: f64::NEG_INFINITY, text: String::new() })
+        let layers = layers(folder, prims, |path, opened| Layer::create(path, layer(rate) + &opened))?;
+        // The stage comes last: it must find its layers.
+        Ok(Self::of(Stage::create(path, text)?, layers, hair, scenery, time))
     }
 
-    /// Goes on with a film of such strands, which may be that of a killed run, behind its frames at these times \[s\];
-    /// those behind them are dropped.
+    /// Goes on with a film of such strands and bodies, which may be that of a killed run, behind its frames at these
+    /// times \[s\]; those behind them are dropped.
     ///
     /// # Errors
     /// As [`Self::create`], and [`ExportError::Frame`] if the files have other strands or not these frames.
-    pub fn go_on(folder: &Path, hair: &HairFrame, rate: f64, written: &[f64]) -> Result<Self, ExportError> {
-        let mut film = Self::open(folder, hair, rate, written)?;
+    pub fn go_on(
+        folder: &Path,
+        hair: &HairFrame,
+        scenery: Scenery,
+        time: &Time,
+        written: &[f64],
+    ) -> Result<Self, ExportError> {
+        let mut film = Self::open(folder, hair, scenery, time, written)?;
         film.cut()?;
         Ok(film)
     }
 
     /// As [`Self::go_on`]; the files are as they were until [`Self::cut`].
-    fn open(folder: &Path, hair: &HairFrame, rate: f64, written: &[f64]) -> Result<Self, ExportError> {
+    fn open(
+        folder: &Path,
+        hair: &HairFrame,
+        scenery: Scenery,
+        time: &Time,
+        written: &[f64],
+    ) -> Result<Self, ExportError> {
         let path = folder.join(Self::FILES[0]);
         check(hair).map_err(|problem| ExportError::Frame { path: path.clone(), problem })?;
-        let codes: Vec<f64> = written.iter().map(|time| code(*time, rate)).collect();
-        let layer = |sampled: &Sampled| Layer::open(folder.join(sampled.file), &prim(sampled, hair), &codes);
-        let layers = SAMPLED.iter().map(layer).collect::<Result<Vec<_>, _>>()?;
+        let codes: Vec<f64> = written.iter().map(|written| time.code(*written)).collect();
+        let prims = prims(hair, &scenery, Units::default());
+        let layers = layers(folder, prims, |path, opened| Layer::open(path, &opened, &codes))?;
         let last = codes.last().copied().unwrap_or(f64::NEG_INFINITY);
-        Ok(Self { path, layers, offsets: hair.offsets.clone(), rate, last, text: String::new() })
+        Ok(Self { last, ..Self::of(Stage::open(path)?, layers, hair, scenery, time) })
+    }
+
+    fn of(stage: Stage, layers: Vec<(Layer, Sampled)>, hair: &HairFrame, scenery: Scenery, time: &Time) -> Self {
+        let (offsets, time) = (hair.offsets.clone(), time.clone());
+        Self { stage, layers, scenery, time, offsets, last: f64::NEG_INFINITY, text: String::new() }
     }
 
     /// Drops the frames behind those that the film goes on from.
     fn cut(&mut self) -> Result<(), ExportError> {
-        self.layers.iter_mut().try_for_each(Layer::cut)?;
-        self.say_last()
+        self.layers.iter_mut().try_for_each(|(layer, _)| layer.cut())?;
+        self.stage.say_last(self.last)
     }
 
     /// Writes the next frame. Once this returns, readers of the files find it.
@@ -122,7 +151,7 @@ impl UsdWriter {
     /// [`ExportError::Frame`] if its strands differ from those of the film, or its time is not behind that of the last
     /// frame; [`ExportError::File`] if it cannot be written. The files keep the frames they had.
     pub fn append(&mut self, frame: &Frame) -> Result<(), ExportError> {
-        let at = code(frame.time, self.rate);
+        let at = self.time.code(frame.time);
         let problem = check(&frame.hair).err().or_else(|| {
             if frame.hair.offsets != self.offsets {
                 return Some("the frame has strands of other lengths than the film".to_owned());
@@ -132,23 +161,16 @@ impl UsdWriter {
             })
         });
         if let Some(problem) = problem {
-            return Err(ExportError::Frame { path: self.path.clone(), problem });
+            return Err(ExportError::Frame { path: self.stage.path.clone(), problem });
         }
         // The points come last: where they are, the rest is.
-        for (layer, sampled) in self.layers.iter_mut().zip(&SAMPLED).rev() {
+        for (layer, sampled) in self.layers.iter_mut().rev() {
             self.text.clear();
-            sample(at, sampled, &frame.hair, &mut self.text);
+            sample(at, sampled, frame, &self.scenery, Units::default(), &mut self.text);
             layer.append(&mut self.text)?;
         }
         self.last = at;
-        self.say_last()
-    }
-
-    /// Writes the time code of the last frame to where the stage has it.
-    fn say_last(&mut self) -> Result<(), ExportError> {
-        let last = format!("{:<ROOM$}", self.last.max(0.0));
-        let layer = &mut self.layers[0];
-        layer.write_at(layer.last, last.as_bytes())
+        self.stage.say_last(at)
     }
 
     /// Hands what was appended to the disk, so that it outlasts the machine too. It outlasts the process in any case.
@@ -156,10 +178,26 @@ impl UsdWriter {
     /// # Errors
     /// [`ExportError::File`] if the disk refuses.
     pub fn sync(&self) -> Result<(), ExportError> {
-        self.layers.iter().try_for_each(|layer| {
+        self.layers.iter().try_for_each(|(layer, _)| {
             layer.file.sync_all().map_err(|e| failed(&layer.path, "could not be flushed to the disk", &e))
         })
     }
+}
+
+/// The layers of a film, each with what is sampled in it: `make` makes one of its path, and its text up to the samples.
+fn layers(
+    folder: &Path,
+    prims: Vec<Prim>,
+    make: impl Fn(PathBuf, String) -> Result<Layer, ExportError>,
+) -> Result<Vec<(Layer, Sampled)>, ExportError> {
+    let mut layers = Vec::new();
+    for prim in prims {
+        let opened: Vec<_> = (0..prim.sampled.len()).map(|k| prim.opened(k)).collect();
+        for (sampled, opened) in prim.sampled.into_iter().zip(opened) {
+            layers.push((make(folder.join(&sampled.file), opened)?, sampled));
+        }
+    }
+    Ok(layers)
 }
 
 /// Writes one file of a film; each attribute's samples follow one another in it. A file at `path` is replaced once all
@@ -169,8 +207,7 @@ impl UsdWriter {
 /// [`ExportError::Frame`] if there is no frame, or frames have no strands or not the same; [`ExportError::File`] if the
 /// file cannot be written; an error of [`Film::frame`].
 pub(crate) fn write_usd(path: &Path, film: &Film<'_>) -> Result<(), ExportError> {
-    let Film { frames, frame, rate, provenance, units } = film;
-    let (frames, rate) = (*frames, *rate);
+    let Film { frames, frame, scenery, time, provenance, units } = *film;
     let invalid = |problem: String| ExportError::Frame { path: path.to_path_buf(), problem };
     if frames == 0 {
         return Err(invalid("there is no frame".to_owned()));
@@ -180,33 +217,30 @@ pub(crate) fn write_usd(path: &Path, film: &Film<'_>) -> Result<(), ExportError>
     let unwritten = |e: std::io::Error| failed(path, "could not be written", &e);
     let whole = AtomicFile::new(path).map_err(unwritten)?;
     let mut file = BufWriter::new(whole.create().map_err(unwritten)?);
-    let mut text =
-        stage(rate, provenance, *units, &format!("{}", code(frame(frames - 1)?.time, rate)), "") + &still(&first);
-    for sampled in &SAMPLED {
-        let _ = writeln!(text, "    {}.timeSamples = {{", sampled.name);
-        for k in 0..frames {
-            let frame = frame(k)?;
-            check(&frame.hair).map_err(invalid)?;
-            if frame.hair.offsets != first.offsets {
-                return Err(invalid(format!("frame {k} has strands of other lengths than the first")));
+    let mut text = stage(time.frame_rate, &provenance, scenery, units, time.code(frame(frames - 1)?.time));
+    for prim in prims(&first, scenery, units) {
+        text += &prim.still;
+        for sampled in &prim.sampled {
+            let _ = writeln!(text, "    {}.timeSamples = {{", sampled.name);
+            for k in 0..frames {
+                let frame = frame(k)?;
+                check(&frame.hair).map_err(invalid)?;
+                if frame.hair.offsets != first.offsets {
+                    return Err(invalid(format!("frame {k} has strands of other lengths than the first")));
+                }
+                sample(time.code(frame.time), sampled, &frame, scenery, units, &mut text);
+                text.push('\n');
+                file.write_all(text.as_bytes()).map_err(unwritten)?;
+                text.clear();
             }
-            sample(code(frame.time, rate), sampled, &frame.hair, &mut text);
-            text.push('\n');
-            file.write_all(text.as_bytes()).map_err(unwritten)?;
-            text.clear();
+            text += "    }\n";
         }
-        text += "    }\n";
+        text += "}\n";
     }
     text += "}\n";
     file.write_all(text.as_bytes()).and_then(|()| file.flush()).map_err(unwritten)?;
     drop(file);
     whole.finish().map_err(unwritten)
-}
-
-/// Time code of a time \[s\]: not rounded to a whole one, as a frame is where its step is.
-fn code(time: f64, rate: f64) -> f64 {
-    // A product of two decimal numbers, without its last bits.
-    (time * rate * 1e9).round() / 1e9
 }
 
 /// Checks that the strands can be written.
@@ -222,7 +256,8 @@ fn check(hair: &HairFrame) -> Result<(), String> {
 /// The film of a run, which is begun with its first frame, or goes on.
 pub(crate) struct UsdFilm {
     folder: PathBuf,
-    scene: windswept_scene::CheckedScene,
+    scene: CheckedScene,
+    scenery: Scenery,
     adapter: String,
     film: Option<UsdWriter>,
 }
@@ -231,13 +266,15 @@ impl UsdFilm {
     pub(crate) fn new(start: &Start<'_>) -> Result<Self, ExportError> {
         let path = start.folder.join(UsdWriter::FILES[0]);
         check(&start.first.hair).map_err(|problem| ExportError::Frame { path, problem })?;
-        let rate = start.scene.time.frame_rate;
-        let open = || UsdWriter::open(start.folder, &start.first.hair, rate, start.written);
+        let (hair, time) = (&start.first.hair, &start.scene.time);
+        let scenery = Scenery::of(start.scene, hair, start.groom)?;
+        let open = || UsdWriter::open(start.folder, hair, scenery.clone(), time, start.written);
         Ok(Self {
             folder: start.folder.into(),
-            scene: start.scene.clone(),
-            adapter: start.gpu.info().to_string(),
             film: if start.written.is_empty() { None } else { Some(open()?) },
+            scene: start.scene.clone(),
+            scenery,
+            adapter: start.gpu.info().to_string(),
         })
     }
 }
@@ -252,8 +289,8 @@ impl FrameSink for UsdFilm {
             Some(film) => film,
             None => {
                 let provenance = Provenance::of(&self.scene, &self.adapter);
-                let rate = self.scene.time.frame_rate;
-                self.film.insert(UsdWriter::create(&self.folder, &frame.hair, rate, &provenance)?)
+                let (scenery, time) = (self.scenery.clone(), &self.scene.time);
+                self.film.insert(UsdWriter::create(&self.folder, &frame.hair, scenery, time, &provenance)?)
             }
         };
         film.append(frame)

@@ -151,7 +151,7 @@ fn the_automatic_camera_frames_the_hair() {
         let sets: Vec<String> = sets.iter().map(|&set| set.to_owned()).collect();
         let scene = Scene::parse_with("quick.toml", text, &sets).unwrap().check().unwrap();
         let initial = InitialState::new(&scene).unwrap().hair;
-        let view = View::new(&scene, &Followers::new(&scene, &at_rest(&initial)).unwrap()).unwrap();
+        let view = View::new(&scene, &scene.cameras[0], &Followers::new(&scene, &at_rest(&initial)).unwrap()).unwrap();
         let inside =
             |x: DVec3| view.project(x).is_some_and(|[x, y]| (0.0..960.0).contains(&x) && (0.0..540.0).contains(&y));
         assert!(initial.positions.iter().all(|&x| inside(x)), "{sets:?}: {view:?}");
@@ -176,7 +176,7 @@ fn the_automatic_camera_frames_a_groom() {
     let scene = Scene::parse_with("scene", text, &[]).unwrap().check().unwrap();
     for along in [Vec3::Y, Vec3::NEG_Y] {
         let start = strands(&roots, 0.1 * along);
-        let view = View::new(&scene, &Followers::new(&scene, &start).unwrap()).unwrap();
+        let view = View::new(&scene, &scene.cameras[0], &Followers::new(&scene, &start).unwrap()).unwrap();
         let moved = [along, Vec3::NEG_Y, Vec3::X].map(|way| strands(&roots, 0.1 * way).positions);
         let seen: Vec<DVec2> =
             moved.iter().flatten().map(|x| view.project(Vec3::from_array(*x).as_dvec3()).unwrap().into()).collect();
@@ -197,6 +197,24 @@ fn the_scenes_camera_is_taken() {
     let [x, y] = renderer.view().project(DVec3::new(0.002, 0.004, 0.0)).unwrap();
     // 1 px is 0.2 mm; the angle is given to 10 digits.
     assert!((x - 170.0).abs() < 1e-6 && (y - 80.0).abs() < 1e-6, "{x}, {y}");
+}
+
+/// A renderer that looks through another camera takes the pictures of one that was made for it, and goes back.
+#[test]
+fn one_renderer_looks_through_any_camera() {
+    let (gpu, hair) = (gpu(), strands(&three(), Vec3::X * 0.04));
+    let with = |sets: &[&str]| scene(&[&["picture.hairs=60"], sets].concat());
+    let mut renderer = Renderer::new(&gpu, &with(&[]), &hair).unwrap();
+    let first = draw(&renderer, &hair);
+    for sets in [&["camera.eye=[0.1, 0.1, 0.1]"][..], &["camera.width=200", "camera.height=300", "camera.fov=30"]] {
+        let other = with(sets);
+        renderer.look_through(&other.cameras[0]).unwrap();
+        let picture = draw(&renderer, &hair);
+        assert_ne!(picture, first);
+        assert_eq!(picture, draw(&Renderer::new(&gpu, &other, &hair).unwrap(), &hair), "{sets:?}");
+    }
+    renderer.look_through(&with(&[]).cameras[0]).unwrap();
+    assert_eq!(draw(&renderer, &hair), first);
 }
 
 /// A target is a direction: how far away it is changes nothing.
@@ -246,11 +264,11 @@ fn invalid_frames_are_refused() {
     let hair = strands(&three(), Vec3::X * 0.04);
     let refused = |made: Result<Renderer, ExportError>| made.err().map(|e| e.to_string()).unwrap_or_default();
     // More than a scene may ask for; adapters draw even less.
-    let wide = scene(&[]).assuming(|_, values| values.camera.width = 100_000);
+    let wide = scene(&[]).assuming(|_, values| values.cameras[0].width = 100_000);
     let said = refused(Renderer::new(&gpu, &wide, &hair));
     assert!(said.contains("the adapter draws at most"), "{said}");
     let look_at = Some(LookAt { eye: [0.1; 3], target: [0.1; 3] });
-    let nowhere = scene(&[]).assuming(|_, values| values.camera.look_at = look_at);
+    let nowhere = scene(&[]).assuming(|_, values| values.cameras[0].look_at = look_at);
     let said = refused(Renderer::new(&gpu, &nowhere, &hair));
     assert!(said.contains("the same point"), "{said}");
     let empty = strands(&[], Vec3::X);

@@ -11,7 +11,7 @@ import numpy as np
 if sys.version_info < (3, 11):
     print("no usd-core for this Python")
     sys.exit()
-from pxr import Usd, UsdGeom
+from pxr import Gf, Usd, UsdGeom
 
 folder, rate, version, adapter, seed = sys.argv[1:]
 folder, rate = pathlib.Path(folder), float(rate)
@@ -31,7 +31,8 @@ def equal(found, expected, what):
 
 
 stage = Usd.Stage.Open(str(folder / "hair.usda"))
-curves = UsdGeom.BasisCurves(stage.GetDefaultPrim())
+film = stage.GetDefaultPrim()
+curves = UsdGeom.BasisCurves(film.GetChild("Hair"))
 found = (UsdGeom.GetStageUpAxis(stage), UsdGeom.GetStageMetersPerUnit(stage), stage.GetTimeCodesPerSecond(), stage.GetFramesPerSecond())
 if found != ("Y", 1.0, rate, rate):
     sys.exit(f"metadata: found {found}")
@@ -68,4 +69,47 @@ for k, code in enumerate(codes):
     equal(curves.GetVelocitiesAttr().Get(code), velocities[k], f"velocities of frame {k}")
     extent = np.array([positions[k].min(axis=0) - radius.max(), positions[k].max(axis=0) + radius.max()])
     equal(curves.GetExtentAttr().Get(code), extent, f"extent of frame {k}")
+
+# Bodies: closed, seen from outside, and their points at the radius about the ends of the axis that the frame has.
+found = {prim.GetDisplayName(): UsdGeom.Mesh(prim) for prim in film.GetChildren() if prim.IsA(UsdGeom.Mesh)}
+if set(found) != {"left arm", "2nd"}:
+    sys.exit(f"bodies: found {found}")
+ends = dump("ends.f64", np.float64, frames, 2, 2, 3)
+for body, (mesh, radius) in enumerate([(found["left arm"], 0.03), (found["2nd"], 0.07)]):
+    own = np.array(mesh.GetPointsAttr().Get(), np.float64)
+    corners = np.array(mesh.GetFaceVertexIndicesAttr().Get()).reshape(-1, 3)
+    edges = corners[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
+    if len(np.unique(edges, axis=0)) != len(edges) or set(map(tuple, edges)) != {(b, a) for a, b in edges}:
+        sys.exit(f"body {body} is not closed")
+    length = np.linalg.norm(ends[0, body, 1] - ends[0, body, 0])
+    exact = np.pi * radius**2 * (length + 4 / 3 * radius)
+    volume = np.linalg.det(own[corners]).sum() / 6
+    if not 0.98 * exact < volume < exact:
+        sys.exit(f"body {body} has a volume of {volume}, expected {exact}")
+    equal(np.array(mesh.GetExtentAttr().Get()), np.array([own.min(axis=0), own.max(axis=0)], np.float32), "extent of a body")
+    for k, code in enumerate(codes):
+        world = np.array(UsdGeom.XformCache(code).GetLocalToWorldTransform(mesh.GetPrim()))
+        x = own @ world[:3, :3] + world[3, :3]
+        start, end = ends[k, body]
+        axis = (end - start) / max(length, 1e-30)
+        along = np.clip((x - start) @ axis, 0, length)
+        off = np.abs(np.linalg.norm(x - start - along[:, None] * axis, axis=1) - radius).max()
+        if off > 1e-7 or np.linalg.norm(x.mean(axis=0) - (start + end) / 2) > 1e-7:
+            sys.exit(f"body {body} is {off} m off its surface in frame {k}")
+
+# The camera sees places of the world where the pictures have them.
+(camera,) = [UsdGeom.Camera(prim) for prim in film.GetChildren() if prim.IsA(UsdGeom.Camera)]
+if (camera.GetPrim().GetName(), camera.GetPrim().GetDisplayName()) != ("Hair_2", "Hair"):
+    sys.exit(f"the camera is called {camera.GetPrim().GetName()}")
+camera = camera.GetCamera(0.0)
+seen = dump("seen.f64", np.float64, -1, 5)
+clip = camera.frustum.ComputeViewMatrix() * camera.frustum.ComputeProjectionMatrix()
+for *place, right, down in seen:
+    x, y, _ = clip.Transform(Gf.Vec3d(*place))
+    at = [(0.5 + 0.5 * x) * 640, (0.5 - 0.5 * y) * 400]
+    if np.abs(np.subtract(at, [right, down])).max() > 1e-3:
+        sys.exit(f"the camera sees {place} at {at}, expected {right, down}")
+    distance = np.linalg.norm(np.subtract(place, camera.frustum.position))
+    if not camera.clippingRange.min < distance < camera.clippingRange.max:
+        sys.exit(f"{place} is cut off: {camera.clippingRange}")
 print(frames, "frames")

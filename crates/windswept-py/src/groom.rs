@@ -4,7 +4,9 @@ use std::path::PathBuf;
 
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::{prelude::*, types::PyBytes};
-use windswept_scene::{End, Fibre, GroomFile, Moduli, PerStrand, RestCurvature, RestShape, Stiffness, keys::Key};
+use windswept_scene::{
+    Curves, End, Fibre, GroomFile, Moduli, PerStrand, RestCurvature, RestShape, Stiffness, keys::Key,
+};
 
 use crate::{
     arrays::{Numbers, chunks, shown, strand_ids, values, whole},
@@ -282,7 +284,14 @@ fn strands(points: &Bound<'_, PyAny>, offsets: Option<&Bound<'_, PyAny>>) -> PyR
         (&[strands, n, 3], None) => {
             let offsets = (0..=strands).map(|s| u32::try_from(s * n));
             let offsets = offsets.collect::<Result<_, _>>().map_err(|_| of_value("points", "too many for 32 bits"))?;
-            Ok((chunks(&numbers), offsets))
+            let curves = Curves { points: chunks(&numbers), offsets, ..Curves::default() };
+            let (curves, padded) = curves.without_padding();
+            if padded > 0 {
+                let words =
+                    format!("{padded} of the {strands} strands had padding behind their tips, which is cut off");
+                warn(points.py(), [words])?;
+            }
+            Ok((curves.points, curves.offsets))
         }
         (&[_, 3], Some(offsets)) => {
             let (offsets, shape) = values("offsets", offsets, Numbers::Whole)?;

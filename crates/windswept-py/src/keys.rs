@@ -19,6 +19,7 @@ fn declared(key: &Key) -> Value {
         Kind::Count(..) => ("count", &[]),
         Kind::Vector | Kind::Direction => ("vector", &[]),
         Kind::Choice(words) => ("word", words),
+        Kind::Profile => ("pairs", &[]),
         Kind::Values => ("values", &[]),
         Kind::Table => ("table", &[]),
         Kind::Tables => ("tables", &[]),

@@ -18,7 +18,10 @@ use pyo3::{
 use windswept::{Checkpoint, CheckpointError, Pose, RunError};
 use windswept_export::Renderer;
 
-use self::{held::lock, shown::side};
+use self::{
+    held::lock,
+    shown::{Shot, side},
+};
 use crate::{
     arrays::{Numbers, is_false, maybe_rows, quaternions, rows, shown, triple, values, vectors, whole},
     errors::{export_error, of_checkpoint, of_run, of_start, of_value},
@@ -62,14 +65,11 @@ pub(crate) struct Simulation {
     /// Rises with whatever changes the state.
     epoch: AtomicU64,
     snapshot: Mutex<Snapshot>,
-    renderer: Mutex<Option<(Picture, Arc<Renderer>)>>,
+    renderer: Mutex<Option<Renderer>>,
     followers: Mutex<Option<Arc<windswept_export::Followers>>>,
     /// The function that says what pushes in each step, where one was set.
     force: Mutex<Option<Py<PyAny>>>,
 }
-
-/// Width and height of a picture \[px\].
-type Picture = (Option<u32>, Option<u32>);
 
 impl Simulation {
     fn of(engine: windswept::Simulation) -> Self {
@@ -423,7 +423,7 @@ impl Simulation {
             Ok(sim.warnings().into_iter().filter(|warning| !before.contains(warning)).collect::<Vec<_>>())
         })?;
         warn(py, made.map_err(|error: windswept::Error| of_start(py, &error))?)?;
-        // The camera may be another one.
+        // Hairs may be as thick as others, and a picture may show other things.
         lock(&self.renderer).take();
         Ok(())
     }
@@ -534,27 +534,39 @@ impl Simulation {
 
     /// A picture of the hair now, as the command draws it: `(height, width, 4)` uint8, sRGB, opaque.
     ///
-    /// The scene's [camera] and [picture] say from where and what: `scene.replace(**{"camera.fov": 20})` before the
-    /// simulation is made.
+    /// The scene's [camera] and [picture] say from where and what, unless these arguments do.
+    ///
+    ///     sim.render(eye=[0.3, 0.1, 0.2], target=[0, 0, 0])
+    ///     sim.render(camera="side")
     ///
     /// Args:
-    ///     width, height: [px]; None: the scene's.
+    ///     width, height: [px]; None: those of the scene's camera.
+    ///     camera: name of one of the scene's cameras; None: the first.
+    ///     eye, target: `(3,)` [m], place and aim of the camera; None: those of the scene's camera.
+    ///     fov: vertical field of view [degrees]; None: that of the scene's camera.
     ///
     /// Raises:
+    ///     ValueError: there is no such camera, or an argument is no such value.
     ///     ExportError: there is no strand to draw, or the adapter cannot.
-    #[pyo3(signature = (width=None, height=None))]
+    #[pyo3(signature = (width=None, height=None, *, camera=None, eye=None, target=None, fov=None))]
+    #[allow(clippy::too_many_arguments)] // they have names
     fn render<'py>(
         &self,
         py: Python<'py>,
         width: Option<i64>,
         height: Option<i64>,
+        camera: Option<String>,
+        eye: Option<&Bound<'_, PyAny>>,
+        target: Option<&Bound<'_, PyAny>>,
+        fov: Option<f64>,
     ) -> PyResult<Bound<'py, PyArray3<u8>>> {
-        let size = (side("width", width)?, side("height", height)?);
+        let size = [side("width", width)?, side("height", height)?];
+        let place = |name, place: Option<&Bound<'_, PyAny>>| place.map(|place| triple(name, place)).transpose();
+        let shot = Shot { camera, eye: place("eye", eye)?, target: place("target", target)?, fov, size };
         let drawn = without_gil(py, || {
             let mut engine = lock(&self.engine);
-            let frame = windswept_export::frame(&mut engine).map_err(|error| of_run(&error))?;
-            let renderer = self.renderer(&engine, size)?;
-            renderer.render(&frame).map_err(|error| export_error(&error))
+            let camera = shot.camera(engine.scene())?;
+            self.picture(&mut engine, &camera)
         })??;
         let (width, height) = (drawn.width() as usize, drawn.height() as usize);
         PyArray1::from_vec(py, drawn.into_raw()).reshape([height, width, 4])

@@ -125,7 +125,7 @@ pub fn bodies(scene: &CheckedScene, initial: &InitialState) -> Vec<Body> {
     let each = scene.bodies.iter().map(|body| Body {
         shape: local(&body.shape),
         friction: body.friction,
-        motion: body.motion.clone(),
+        motion: scene.in_frame(&body.motion),
     });
     each.collect()
 }

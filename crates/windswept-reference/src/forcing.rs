@@ -63,6 +63,43 @@ pub fn run(s: &State, p: &Parameters, see: &mut Observer<'_>) -> Scratch {
     w
 }
 
+/// Way of the frame of `air.follows` after `steps` steps \[m\], and its velocity in the last of them \[m/s\].
+#[must_use]
+pub fn frame(p: &Parameters, steps: u64) -> (DVec3, DVec3) {
+    let time = steps as f64 * p.step;
+    let next = p.frame.partition_point(|entry| entry.time <= time);
+    match (next.checked_sub(1).map(|last| p.frame[last]), p.frame.get(next)) {
+        (Some(a), Some(b)) => {
+            let part = (time - a.time) / (b.time - a.time);
+            (a.place.lerp(b.place, part), a.velocity.lerp(b.velocity, part))
+        }
+        (Some(held), None) => (held.place, held.velocity),
+        (None, Some(held)) => (held.place, held.velocity),
+        (None, None) => (DVec3::ZERO, DVec3::ZERO),
+    }
+}
+
+/// Takes the change of the frame's velocity in the step from the velocities of hair that is not held, and wakes strands.
+pub fn carry(s: &mut State, p: &Parameters) {
+    // Hair starts at rest in the frame.
+    let before = if s.steps == 0 { frame(p, 0).1 } else { s.frame_velocity };
+    s.frame_velocity = frame(p, s.steps + 1).1;
+    let change = s.frame_velocity - before;
+    if change == DVec3::ZERO {
+        return;
+    }
+    for i in (0..p.hair_points).filter(|&i| s.inverse_mass[i] > 0.0) {
+        s.velocity[i] -= change;
+        s.velocity_before[i] -= change;
+        s.displacement[i] -= p.step * change;
+    }
+    for (sleeping, resting) in s.sleeping.iter_mut().zip(&mut s.resting) {
+        if std::mem::take(sleeping) {
+            *resting = 0;
+        }
+    }
+}
+
 /// Way of the clamp of a strand in the step: to where its keyframes are at the step's end, else a part of the way to
 /// its target, all of it in the last substep. A jump of more than the strand's length is a teleport, unless the tip is
 /// held too; a strand whose clamp rests may sleep. Free roots go where they will. A held tip goes along by the

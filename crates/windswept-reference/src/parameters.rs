@@ -2,8 +2,8 @@
 
 use glam::{DVec3, IVec3};
 use windswept_scene::{
-    Band, CheckedScene, CheckedTurbulence, FluidSolver, InflowWave, InitialState, Integrator, Law, Model, Motion,
-    Solver, ViscosityForm, derived::Rest,
+    Band, CheckedScene, CheckedTurbulence, FluidSolver, FrameEntry, InflowWave, InitialState, Integrator, Law, Model,
+    Motion, Solver, ViscosityForm, derived::Rest,
 };
 
 use crate::{
@@ -118,6 +118,8 @@ pub struct Parameters {
     pub bodies: Vec<Body>,
     /// Motion of the roots of each group of hair, and the centre that it turns about \[m\].
     pub hair_motions: Vec<(Motion, DVec3)>,
+    /// Frame of `air.follows` at times, linear in between; empty where it stands still.
+    pub frame: Vec<FrameEntry>,
     /// Strand of each hair point.
     pub strand_of: Vec<usize>,
     /// Number of hair points: particles below this index are hair.
@@ -192,7 +194,12 @@ impl Parameters {
             substeps: scene.time.substeps,
             damping: scene.rods.damping,
             bodies: contact::bodies(scene, initial),
-            hair_motions: scene.hair.iter().map(|hair| (hair.motion.clone(), hair.center() - initial.origin)).collect(),
+            hair_motions: scene
+                .hair
+                .iter()
+                .map(|hair| (scene.in_frame(&hair.motion), hair.center() - initial.origin))
+                .collect(),
+            frame: scene.frame_table(),
             strand_of: (0..initial.hair.len()).flat_map(|s| initial.hair.points(s).map(move |_| s)).collect(),
             hair_points: initial.hair.positions.len(),
         }

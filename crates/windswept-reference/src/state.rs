@@ -10,6 +10,8 @@ use crate::{contact::Memory, fluid::Pressed};
 pub struct State {
     /// Number of steps since the start.
     pub steps: u64,
+    /// Velocity of the frame of `air.follows` \[m/s\], which velocities are less.
+    pub frame_velocity: DVec3,
     /// Position of each particle \[m\].
     pub position: Vec<DVec3>,
     /// Velocity of each particle \[m/s\].
@@ -105,6 +107,7 @@ impl State {
             hair.roots().collect::<Vec<_>>().into_iter().zip(hair.root_frame.iter().copied()).collect();
         Self {
             steps: 0,
+            frame_velocity: DVec3::ZERO,
             displacement: hair.velocities.iter().map(|v| *v * step).collect(),
             velocity_before: hair.velocities.clone(),
             external_dv: vec![DVec3::ZERO; hair.velocities.len()],

@@ -38,6 +38,8 @@ pub fn step_observed(state: &mut State, p: &Parameters, see: &mut Observer<'_>) 
     // 1. Invalid strands are reset; clamps and bodies move; wind enters; air moves, and hair drifts among it.
     let invalid = forcing::recover(&mut s);
     see("forcing/reset", &s, &Scratch { invalid, ..Scratch::default() });
+    forcing::carry(&mut s, p);
+    see("forcing/carry", &s, &Scratch { invalid, ..Scratch::default() });
     let mut w = Scratch { invalid, ..forcing::run(&s, p, see) };
     // 2. List neighbours.
     neighbours::run(&mut w, p);

@@ -1,11 +1,10 @@
 //! Bodies that hair and air stay out of: `[[body]]`.
 //!
-//! This file for the CPU, and `shaders/common/body.wgsl` for the GPU, have the code that depends on a body's shape.
+//! This file and those of its shapes, `round_box.rs` and `solid.rs`, for the CPU, and `shaders/common/body.wgsl` for the
+//! GPU, have the code that depends on a body's shape.
 //! Other modules ask a [`CheckedShape`] for its signed distance, its bounds or its skin.
 
-use std::f64::consts::{PI, TAU};
-
-use glam::{DMat3, DVec3};
+use glam::{DMat3, DQuat, DVec3};
 
 use crate::{
     declare::{table, variants},
@@ -13,10 +12,11 @@ use crate::{
     keys::{
         Fallback::Required,
         Fallback::{Derived, Value},
-        Kind::{Length, NonNegative, Table, Tables, Text, Vector},
+        Kind::{Direction, Length, NonNegative, Table, Tables, Text, Vector},
     },
     limits::{MAX_BLOCKED, MAX_GRID_VALUES},
     motion::{Motion, Pose},
+    round_box::RoundBox,
     scene::{Bounds, Scene, SceneValues},
     solid::{MeshFile, Solid},
     triangles::Triangles,
@@ -50,12 +50,16 @@ variants! {
     /// Shape of a body \[m\]: a solid that is given by points, so that it moves when they do.
     #[derive(Debug, Clone, PartialEq)]
     pub enum Shape => CheckedShape by "shape" = Value("sphere"),
-        "Shape of the body: with center and radius, with start, end and radius, or with file."
+        "Shape of the body: with center and radius, with start, end and radius, with center and size, with point and normal, or with file."
     {
         /// All points within `radius` of a point.
         Sphere(Sphere) = "sphere",
         /// All points within `radius` of a line.
         Capsule(Capsule) = "capsule",
+        /// All points of a box with sharp edges.
+        Cuboid(Cuboid) = "box",
+        /// All points behind a plane.
+        Plane(Plane) = "plane",
         /// All points that the triangles of a file enclose.
         Mesh(MeshFile as Solid) = "mesh",
     }
@@ -65,7 +69,7 @@ table! {
     /// All points within `radius` of a point.
     #[derive(Debug, Clone, Copy, PartialEq)]
     pub struct Sphere {
-        /// Centre of the sphere.
+        /// Centre of the sphere or of the box.
         center: [f64; 3] = Vector, "m", Required;
         /// Radius of the sphere, or about the capsule's axis.
         radius: f64 = Length, "m", Required;
@@ -82,6 +86,38 @@ table! {
         end: [f64; 3] = Vector, "m", Required;
         /// Radius of the sphere, or about the capsule's axis.
         radius: f64 = Length, "m", Required;
+    }
+}
+
+table! {
+    /// All points of a box with sharp edges.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct Cuboid, checked by Cuboid::check {
+        /// Centre of the sphere or of the box.
+        center: [f64; 3] = Vector, "m", Required;
+        /// Sides of the box along its own axes.
+        size: [f64; 3] = Vector, "m", Required;
+        /// Rotation vector of the box about its centre, axis times angle.
+        rotation: [f64; 3] = Vector, "rad", Value([0.0; 3]);
+    }
+}
+
+table! {
+    /// All points behind a plane.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct Plane {
+        /// A point of the plane, about which it turns, and about which a square of 2 m of it is drawn.
+        point: [f64; 3] = Vector, "m", Required;
+        /// Normal of the plane, away from the body.
+        normal: [f64; 3] = Direction, "", Required;
+    }
+}
+
+impl Cuboid {
+    fn check(&self, at: &At<'_>) {
+        if self.size.iter().any(|side| *side <= 0.0) {
+            at.fault("size", format!("is {:?}; expected three lengths in metres greater than 0", self.size));
+        }
     }
 }
 
@@ -104,6 +140,19 @@ impl Body {
     #[must_use]
     pub fn capsule(start: [f64; 3], end: [f64; 3], radius: f64) -> Self {
         Self::of(Shape::capsule(start, end, radius))
+    }
+
+    /// A box with sharp edges about a centre, with these sides along the axes \[m\], named `body`, at rest.
+    #[must_use]
+    pub fn cuboid(center: [f64; 3], size: [f64; 3]) -> Self {
+        Self::of(Shape::Cuboid(Cuboid { center, size, rotation: [0.0; 3] }))
+    }
+
+    /// All points behind the plane through a point \[m\], away from its normal, of any length but 0, named `body`, at
+    /// rest.
+    #[must_use]
+    pub fn plane(point: [f64; 3], normal: [f64; 3]) -> Self {
+        Self::of(Shape::Plane(Plane { point, normal }))
     }
 
     /// The solid of a mesh file, named `body`, at rest; relative paths start from the current directory.
@@ -157,6 +206,8 @@ impl From<CheckedShape> for Shape {
         match shape {
             CheckedShape::Sphere(sphere) => Self::Sphere(sphere),
             CheckedShape::Capsule(capsule) => Self::Capsule(capsule),
+            CheckedShape::Cuboid(cuboid) => Self::Cuboid(cuboid),
+            CheckedShape::Plane(plane) => Self::Plane(plane),
             CheckedShape::Mesh(solid) => solid.into(),
         }
     }
@@ -168,14 +219,13 @@ impl From<Solid> for Shape {
     }
 }
 
-/// The spheres about both ends and all between them, for the GPU; a sphere has its ends in one point, and so has a
-/// mesh, which is no round shape: its surface is that of its grid.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Round {
-    /// Ends of the axis \[m\].
-    pub ends: [DVec3; 2],
-    /// Radius about the axis \[m\].
-    pub radius: f64,
+/// What distances of a shape come from.
+#[derive(Debug, Clone, Copy)]
+pub enum Form<'a> {
+    /// A closed form.
+    Round(RoundBox),
+    /// A grid.
+    Mesh(&'a Solid),
 }
 
 impl CheckedShape {
@@ -193,65 +243,73 @@ impl CheckedShape {
 
     /// The shape as `shaders/common/body.wgsl` knows it.
     #[must_use]
-    pub fn round(&self) -> Round {
-        match *self {
-            Self::Sphere(Sphere { center, radius }) => Round { ends: [DVec3::from_array(center); 2], radius },
-            Self::Capsule(Capsule { start, end, radius }) => {
-                Round { ends: [start, end].map(DVec3::from_array), radius }
+    pub fn form(&self) -> Form<'_> {
+        let at = DVec3::from_array;
+        Form::Round(match *self {
+            Self::Sphere(Sphere { center, radius }) => RoundBox::sphere(at(center), radius),
+            Self::Capsule(Capsule { start, end, radius }) => RoundBox::capsule(at(start), at(end), radius),
+            Self::Cuboid(Cuboid { center, size, rotation }) => {
+                RoundBox::cuboid(at(center), DQuat::from_scaled_axis(at(rotation)), at(size))
             }
-            Self::Mesh(ref solid) => Round { ends: [solid.origin(); 2], radius: 0.0 },
-        }
+            Self::Plane(Plane { point, normal }) => RoundBox::plane(at(point), at(normal)),
+            Self::Mesh(ref solid) => return Form::Mesh(solid),
+        })
     }
 
     /// The solid of a mesh; `None` for other shapes.
     #[must_use]
     pub fn solid(&self) -> Option<&Solid> {
-        match self {
-            Self::Mesh(solid) => Some(solid),
-            Self::Sphere(_) | Self::Capsule(_) => None,
-        }
+        if let Self::Mesh(solid) = self { Some(solid) } else { None }
     }
 
     /// The shape with each of its points where `place` has it: `place` must be rigid.
     #[must_use]
     pub fn moved(&self, place: impl Fn(DVec3) -> DVec3) -> Self {
-        let moved = |x: [f64; 3]| place(DVec3::from_array(x)).to_array();
+        let at = DVec3::from_array;
+        let moved = |x: [f64; 3]| place(at(x)).to_array();
         match *self {
             Self::Sphere(Sphere { center, radius }) => Self::Sphere(Sphere { center: moved(center), radius }),
             Self::Capsule(Capsule { start, end, radius }) => {
                 Self::Capsule(Capsule { start: moved(start), end: moved(end), radius })
             }
+            Self::Cuboid(Cuboid { center, size, rotation }) => {
+                let turn = turned(&place, at(center), DQuat::from_scaled_axis(at(rotation)));
+                Self::Cuboid(Cuboid { center: moved(center), size, rotation: turn.to_scaled_axis().to_array() })
+            }
+            Self::Plane(Plane { point, normal }) => {
+                let normal = (place(at(point) + at(normal)) - place(at(point))).normalize().to_array();
+                Self::Plane(Plane { point: moved(point), normal })
+            }
             Self::Mesh(ref solid) => Self::Mesh(solid.moved(place)),
         }
     }
 
-    /// The point that the body turns about \[m\]: its middle, or the origin of its file.
+    /// The point that the body turns about \[m\]: its middle, a plane's point, or the origin of its file.
     #[must_use]
     pub fn center(&self) -> DVec3 {
-        let [start, end] = self.round().ends;
-        0.5 * (start + end)
+        match self.form() {
+            Form::Round(round) => round.center,
+            Form::Mesh(solid) => solid.origin(),
+        }
     }
 
     /// Signed distance of `x` from the surface \[m\], negative inside, and its gradient: the outward normal of the
     /// surface where that is nearest to `x`.
     #[must_use]
     pub fn signed_distance(&self, x: DVec3) -> (f64, DVec3) {
-        if let Self::Mesh(solid) = self {
-            return solid.signed_distance(x);
+        match self.form() {
+            Form::Round(round) => round.signed_distance(x),
+            Form::Mesh(solid) => solid.signed_distance(x),
         }
-        let Round { ends: [start, end], radius } = self.round();
-        let axis = end - start;
-        let length = axis.length();
-        let along = if length > 0.0 { (x - start).dot(axis / length).clamp(0.0, length) / length } else { 0.0 };
-        let gap = x - (start + along * axis);
-        // On the axis any way across it leads out.
-        (gap.length() - radius, gap.normalize_or(axis.any_orthonormal_vector()))
     }
 
-    /// Radius of the largest ball that fits into the body \[m\]: how thin it is.
+    /// Radius of the largest ball that fits into the body \[m\]: how thin it is. A plane counts as a head, 0.1 m.
     #[must_use]
     pub fn inradius(&self) -> f64 {
-        self.solid().map_or_else(|| self.round().radius, Solid::inradius)
+        match self.form() {
+            Form::Round(round) => round.inradius(),
+            Form::Mesh(solid) => solid.inradius(),
+        }
     }
 
     /// Depth up to which a point that is meant to be on the surface may be below it \[m\].
@@ -259,39 +317,27 @@ impl CheckedShape {
         ROUNDING * self.inradius() + self.solid().map_or(0.0, |solid| GRID_ERROR * solid.grid().spacing)
     }
 
-    /// Corners of the box about the body \[m\].
+    /// Corners of the box about the body \[m\]; a plane, which has no end, has its point twice.
     #[must_use]
     pub fn bounds(&self) -> [DVec3; 2] {
-        if let Self::Mesh(solid) = self {
-            return solid.bounds();
+        match self.form() {
+            Form::Round(round) => round.bounds(),
+            Form::Mesh(solid) => solid.bounds(),
         }
-        let Round { ends: [start, end], radius } = self.round();
-        [start.min(end) - radius, start.max(end) + radius]
     }
 
-    /// Points of the surface \[m\] and the outward normals there: of a mesh the three corners of each triangle, else a
-    /// grid of `rows` from pole to pole, an even number, and `sides` + 1 points around, of which the last is the first.
+    /// Points of the surface \[m\] and the outward normals there: of a mesh the three corners of each triangle, of a box
+    /// the four of each side, of a plane those of a square of 2 m, else a grid of `rows` from pole to pole, an even
+    /// number, and `sides` + 1 points around, of which the last is the first.
     #[must_use]
     pub fn skin(&self, rows: u32, sides: u32) -> Vec<(DVec3, DVec3)> {
-        if let Self::Mesh(solid) = self {
-            let corners = (0..solid.triangles().corners.len()).flat_map(|i| solid.corners(i));
-            return corners.map(|x| (x, solid.signed_distance(x).1)).collect();
+        match self.form() {
+            Form::Round(round) => round.skin(rows, sides).0,
+            Form::Mesh(solid) => {
+                let corners = (0..solid.triangles().corners.len()).flat_map(|i| solid.corners(i));
+                corners.map(|x| (x, solid.signed_distance(x).1)).collect()
+            }
         }
-        let Round { ends, radius } = self.round();
-        let axis = (ends[1] - ends[0]).normalize_or(DVec3::Y);
-        let across = axis.any_orthonormal_vector();
-        let basis = DMat3::from_cols(across, axis.cross(across), axis);
-        let points = (0..rows).flat_map(|i| (0..=sides).map(move |k| (i, k)));
-        let point = |(i, k)| {
-            // Two half spheres; the side is between their equators.
-            let far = i >= rows / 2;
-            let latitude = PI * (f64::from(i - u32::from(far)) / f64::from(rows - 2) - 0.5);
-            let around = TAU * f64::from(k) / f64::from(sides);
-            let normal = DVec3::new(latitude.cos() * around.cos(), latitude.cos() * around.sin(), latitude.sin());
-            let normal = basis * normal;
-            (ends[usize::from(far)] + radius * normal, normal)
-        };
-        points.map(point).collect()
     }
 
     /// The surface as triangles between the points of [`Self::skin`], counter-clockwise as seen from outside; those of
@@ -299,14 +345,20 @@ impl CheckedShape {
     #[must_use]
     pub fn surface(&self, rows: u32, sides: u32) -> Triangles {
         let points: Vec<DVec3> = self.skin(rows, sides).into_iter().map(|(x, _)| x).collect();
-        let corners = if self.solid().is_some() {
-            (0..points.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect()
-        } else {
-            let squares = (0..rows - 1).flat_map(|i| (0..sides).map(move |k| i * (sides + 1) + k));
-            squares.flat_map(|a| [[a, a + 1, a + sides + 1], [a + 1, a + sides + 2, a + sides + 1]]).collect()
+        let corners = match self.form() {
+            Form::Round(round) => round.skin(rows, sides).1,
+            Form::Mesh(_) => (0..points.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
         };
         Triangles { points, corners, unit: Some(1.0), ..Triangles::default() }
     }
+}
+
+/// The rotation of a thing that stood at `center`, turned by `rotation`, and that `place`, which must be rigid, has
+/// moved.
+pub(crate) fn turned(place: impl Fn(DVec3) -> DVec3, center: DVec3, rotation: DQuat) -> DQuat {
+    let origin = place(center);
+    let axes = DVec3::AXES.map(|axis| place(center + rotation * axis) - origin);
+    DQuat::from_mat3(&DMat3::from_cols(axes[0], axes[1], axes[2])).normalize()
 }
 
 impl CheckedBody {

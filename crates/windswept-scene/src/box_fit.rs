@@ -63,7 +63,7 @@ pub(crate) fn of_hair(scene: &SceneValues, hair: &Strands) -> [DVec3; 2] {
 /// Where a root that is at `root` at the start gets \[m\].
 fn places(scene: &SceneValues, hair: &Strands, s: usize, root: DVec3) -> Vec<DVec3> {
     let Some(group) = hair.group(s, scene) else { return vec![root] };
-    let (motion, center) = (&group.motion, group.center());
+    let (motion, center) = (&scene.in_frame(&group.motion), group.center());
     let Pose { translation, rotation } = motion.at(0.0);
     let drawn = center + rotation.conjugate() * (root - center - translation);
     times(motion).into_iter().map(|time| motion.place(center, drawn, time)).collect()

@@ -93,6 +93,7 @@ const FIXED: &[&str] = &[
     "air.spacing",
     "air.jitter",
     "air.seed",
+    "air.follows",
     "interaction.model",
     "fluid.solver",
     "rods.solver",

@@ -299,7 +299,7 @@ pub(crate) fn is_computable(x: f64) -> bool {
 }
 
 /// A number as TOML, as short as reads back to the same bits: 1.46e-7, not 0.000000146.
-fn number(x: f64) -> Toml {
+pub(crate) fn number(x: f64) -> Toml {
     format!("{x:?}").parse().unwrap_or_else(|_| x.into())
 }
 

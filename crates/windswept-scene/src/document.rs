@@ -10,11 +10,12 @@ use toml_edit::{Document as Toml, Item, TableLike, TomlError, Value};
 
 use crate::{
     change::Assignments,
-    declare::{is_computable, join},
+    declare::{Leaf, is_computable, join},
     error::SceneError,
     faults::{At, Faults},
     keys::{KEYS, Key, Kind},
     limits::{LARGEST, MAX_BANDS, MAX_BODIES, MAX_FORCES, MAX_HAIR_GROUPS, MAX_STRENGTH_KEYFRAMES, SMALLEST},
+    profile::Profile,
 };
 
 /// A checked value.
@@ -25,6 +26,7 @@ pub(crate) enum Datum {
     Count(u32),
     Number(f64),
     Vector([f64; 3]),
+    Pairs(Vec<[f64; 2]>),
     Values(Assignments),
     /// A table, or an array of this many.
     Tables(usize),
@@ -46,23 +48,23 @@ pub(crate) struct Document {
     called: BTreeMap<String, String>,
     /// The names that count.
     taken: HashSet<String>,
-    /// Whether paths start from the folder of the scene's file. Those of a text from elsewhere start from the current
-    /// directory, or are absolute.
-    in_folder: bool,
+    /// The assignments to the text of a scene's file, whose own paths start from its folder. Those of a text from
+    /// elsewhere start from the current directory, or are absolute.
+    sets: Option<Vec<String>>,
 }
 
 /// A table and its place.
 type Place<'a> = (&'a dyn TableLike, Option<Range<usize>>);
 
 impl Document {
-    /// Reads a text. Faults are unknown keys, wrong types, values out of range, and absolute paths in a scene's file;
-    /// `folder` is the one of the scene's file, if it is from one.
+    /// Reads a text. Faults are unknown keys, wrong types, values out of range, and absolute paths that a scene's file
+    /// says, and none of its assignments `sets`; a text from elsewhere has none of these.
     ///
     /// # Errors
     /// [`SceneError`] for wrong syntax.
-    pub(crate) fn parse(text: &str, folder: Option<&Path>, faults: &Faults) -> Result<Self, SceneError> {
+    pub(crate) fn parse(text: &str, sets: Option<&[String]>, faults: &Faults) -> Result<Self, SceneError> {
         let toml = Toml::parse(text).map_err(|error| syntax(&error))?;
-        let mut document = Self { in_folder: folder.is_some(), ..Self::default() };
+        let mut document = Self { sets: sets.map(<[_]>::to_vec), ..Self::default() };
         document.table(toml.as_table(), "", &faults.root());
         Ok(document)
     }
@@ -94,7 +96,14 @@ impl Document {
             let place = table.key(name).and_then(toml_edit::Key::span).or_else(|| item.span());
             match Key::find(&path) {
                 Some(key) => self.item(key, item, name, at, place),
-                None => at.add(unknown(&path, &at.path(name)).with_span(place)),
+                None if path == "air.particle_mass" => {
+                    let error = SceneError::new("unknown key").at(at.path(name), None).with_span(place);
+                    at.add(error.with_help("air.spacing says how fine the air is: the cube root of a particle's mass over air.rest_density"));
+                }
+                None => {
+                    let table = !path.contains('.') && !matches!(item, Item::Value(value) if !value.is_inline_table());
+                    at.add(unknown(&path, &at.path(name), table).with_span(place));
+                }
             }
         }
     }
@@ -115,11 +124,16 @@ impl Document {
                 self.entries.insert(real.clone(), Entry { datum: Datum::Wrong, span: span.clone() });
                 return wrong(describe_for(key.kind, item));
             };
-            if let (Kind::Path, Datum::Text(file), true) = (key.kind, &datum, self.in_folder)
+            if let (Kind::Path, Datum::Text(file), Some(sets)) = (key.kind, &datum, &self.sets)
                 && is_rooted(file)
+                && !sets.iter().any(|set| set.contains(file.as_str()))
             {
                 self.entries.insert(real.clone(), Entry { datum: Datum::Wrong, span: span.clone() });
-                return wrong(describe(item));
+                return fault(format!(
+                    "expected {}, found {}: a scene file goes to other machines with its files; --set and code may say any path",
+                    key.expected(),
+                    describe(item)
+                ));
             }
             self.entries.insert(real, Entry { datum, span });
             return;
@@ -182,10 +196,7 @@ fn is_rooted(file: &str) -> bool {
 
 /// The value as what the key takes; `None` for another type or a value out of range.
 pub(crate) fn datum(kind: Kind, value: &Value) -> Option<Datum> {
-    let vector = |value: &Value| {
-        let values: Vec<f64> = value.as_array()?.iter().map(number).collect::<Option<_>>()?;
-        <[f64; 3]>::try_from(values).ok()
-    };
+    let vector = |value| numbers::<3>(value);
     match kind {
         Kind::Text | Kind::Path => value.as_str().map(|text| Datum::Text(text.to_owned())),
         Kind::Bool => value.as_bool().map(Datum::Bool),
@@ -198,6 +209,10 @@ pub(crate) fn datum(kind: Kind, value: &Value) -> Option<Datum> {
         }
         Kind::Vector => vector(value).map(Datum::Vector),
         Kind::Direction => vector(value).filter(|v| *v != [0.0; 3]).map(Datum::Vector),
+        Kind::Profile => {
+            let pairs: Vec<[f64; 2]> = value.as_array()?.iter().map(numbers).collect::<Option<_>>()?;
+            Profile(pairs.clone()).fits(kind).then_some(Datum::Pairs(pairs))
+        }
         Kind::Choice(words) => {
             value.as_str().filter(|word| words.contains(word)).map(|word| Datum::Text(word.to_owned()))
         }
@@ -207,6 +222,12 @@ pub(crate) fn datum(kind: Kind, value: &Value) -> Option<Datum> {
         }),
         Kind::Table | Kind::Tables => None,
     }
+}
+
+/// So many numbers that can be computed with.
+fn numbers<const N: usize>(value: &Value) -> Option<[f64; N]> {
+    let values: Vec<f64> = value.as_array()?.iter().map(number).collect::<Option<_>>()?;
+    values.try_into().ok()
 }
 
 /// A number that can be computed with.
@@ -263,15 +284,17 @@ pub(crate) fn syntax(error: &TomlError) -> SceneError {
     SceneError::new(format!("not TOML: {}", lines.join("; "))).with_span(error.span())
 }
 
-/// The nearest key by its whole path, or one that ends in the same name.
-fn unknown(path: &str, real: &str) -> SceneError {
+/// The nearest key by its whole path, or one that ends in the same name. Of an unknown table of a scene the nearest table.
+fn unknown(path: &str, real: &str, table: bool) -> SceneError {
     let near = |key: &Key| {
         let last = |path: &str| path.rsplit('.').next().unwrap_or_default().to_owned();
         let whole = strsim::normalized_damerau_levenshtein(path, &key.path);
         whole.max(0.9 * strsim::normalized_damerau_levenshtein(&last(path), &last(&key.path)))
     };
     // Comparing costs the product of the lengths.
-    let nearest = KEYS.iter().filter(|_| path.len() < 200).map(|key| (near(key), key));
+    let is_table = |key: &Key| matches!(key.kind, Kind::Table | Kind::Tables) && !key.path.contains('.');
+    let fits = |key: &&Key| path.len() < 200 && (is_table(key) || !table);
+    let nearest = KEYS.iter().filter(fits).map(|key| (near(key), key));
     let error = SceneError::new("unknown key").at(short(real), None);
     match nearest.max_by(|a, b| a.0.total_cmp(&b.0)) {
         Some((near, key)) if near > 0.6 => error.with_help(format!("did you mean {}?", key.path)),

@@ -5,10 +5,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::{
     curves::Curves,
-    declare::{faults_of, words},
+    declare::{Leaf, faults_of, words},
     error::SceneError,
     inverse_statics::Hung,
+    keys::Kind,
     limits::{LARGEST, MAGNITUDES, MAX_CURVE_POINTS, MAX_HAIR_POINTS, MAX_POINTS_OF_A_STRAND},
+    profile::Profile,
     scene::{CLAMPED_TIP, FRICTION, Fibre, SceneValues, Solver},
     strand::{AirParticle, Shape, frame, turn, turned_onto},
     strands::{End, Strands},
@@ -52,6 +54,8 @@ pub struct Groom {
     pub group: PerStrand<u32>,
     /// Fibres that the strands are made of.
     pub fibre: PerStrand<Fibre>,
+    /// Factor of the stiffness to bend and twist along each strand; `None`: 1.
+    pub stiffness: Option<Profile>,
     /// Curvature at rest; `None`: the shape that the strands are given in, in which frames go from segment to segment
     /// by the smallest rotation, with the tip's frame.
     pub rest_curvature: Option<RestCurvature>,
@@ -201,6 +205,7 @@ impl Groom {
             guides: Vec::new(),
             group: 0.into(),
             fibre: Fibre::default().into(),
+            stiffness: None,
             rest_curvature: None,
             rest: RestShape::Weightless,
             root_frame: None,
@@ -286,7 +291,12 @@ impl Groom {
                 return Err(fault(found.key().unwrap_or_default(), format!("{}{of}", found.message())));
             }
         }
-        Ok(())
+        match &self.stiffness {
+            Some(profile) if !profile.fits(Kind::Profile) => {
+                Err(fault("stiffness", format!("expected {}, found {:?}", Kind::Profile.expected(), profile.0)))
+            }
+            _ => Ok(()),
+        }
     }
 
     fn check_points(&self) -> Result<(), SceneError> {
@@ -478,6 +488,7 @@ impl Groom {
         let tip_turn = self.rest_turn(s, last, 0.5 * lengths[last]);
         let tip_turn = tip_turn.unwrap_or_else(|| (frames[last].conjugate() * tip_frame).normalize());
         let ends = [self.root.get(s), self.tip.get(s)];
-        Shape { points, root_frame, frames, lengths, turns, ends, tip: (tip_frame, tip_turn) }
+        let (tip, stiffness) = ((tip_frame, tip_turn), self.stiffness.clone());
+        Shape { points, root_frame, frames, lengths, turns, ends, tip, stiffness }
     }
 }

@@ -90,6 +90,7 @@ fn groom(
         points: read.points.into_iter().map(place).collect(),
         group: (group as u32).into(),
         fibre,
+        stiffness: hair.stiffness.clone(),
         rest: file.rest,
         friction: hair.friction.into(),
         root: hair.root.into(),
@@ -162,7 +163,8 @@ fn draw(
         let length = drawn.length * (1.0 - drawn.length_variation * rng.random::<f64>());
         let phase = rng.random::<f64>();
         let root_frame = turn * drawn.root_frame(axis, phase);
-        let shape = drawn.shape(root, root_frame, length, [hair.root, hair.tip]);
+        let stiffness = hair.stiffness.clone();
+        let shape = Shape { stiffness, ..drawn.shape(root, root_frame, length, [hair.root, hair.tip]) };
         shape.append(&hair.fibre, particle, all);
         all.group.push(group as u32);
         all.ids.push(i);
@@ -239,7 +241,7 @@ impl Drawn {
             points.push(x);
         }
         let tip = ((frame * turn(kappa, 0.5 * l)).normalize(), turn(kappa, 0.5 * l));
-        Shape { points, root_frame, frames, lengths: vec![l; segments], turns, ends, tip }
+        Shape { points, root_frame, frames, lengths: vec![l; segments], turns, ends, tip, stiffness: None }
     }
 
     /// The clamp: a helix is tilted so that its axis, the direction of the Darboux vector, runs along the strand's;

@@ -35,6 +35,8 @@ pub enum Kind {
     Direction,
     /// One of these words.
     Choice(&'static [&'static str]),
+    /// Pairs of a part of a length and a factor, by rising parts.
+    Profile,
     /// Dotted keys with values.
     Values,
     /// A table.
@@ -174,6 +176,9 @@ impl Kind {
             Self::Direction => "three numbers, [x, y, z], not all 0".to_owned(),
             Self::Choice(words) => {
                 format!("one of {}", words.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(", "))
+            }
+            Self::Profile => {
+                "pairs [part of the length, factor] with parts from 0 to 1 that rise and factors above 0".to_owned()
             }
             Self::Values => "a table of keys in quotes and values, { \"air.wind\" = [3, 0, 0] }".to_owned(),
             Self::Table => "a table".to_owned(),

@@ -36,7 +36,8 @@ impl Scene {
         Self::parse_with(name, text, &[])
     }
 
-    /// Reads a scene file. Paths of files in it start from its folder, and absolute ones are refused. [`Self::text`]
+    /// Reads a scene file. Paths of files in it start from its folder, and absolute ones are refused: a scene file goes to
+    /// other machines with its files. [`Self::text`]
     /// has them absolute; [`CheckedScene::text_in`] is text for another scene file.
     ///
     /// # Errors
@@ -46,7 +47,7 @@ impl Scene {
     }
 
     /// Reads a scene file and sets `key=value` in it; keys are dotted (`turbulence.bands.0.scale`, `hair.NAME.radius`),
-    /// values are TOML, a bare word is a string.
+    /// values are TOML, a bare word is a string. Paths may be absolute, else they start from the scene's folder.
     ///
     /// # Errors
     /// As [`Self::load`]; a fault in an assignment names the assignment.
@@ -55,7 +56,7 @@ impl Scene {
         let name = path.display().to_string();
         let text = read_text(path).map_err(|error| error.of(&name, ""))?;
         let folder = path.parent().unwrap_or(Path::new(""));
-        let scene = Self::parse_in(Some(folder), &name, &text, sets)?;
+        let scene = Self::parse_in(true, &name, &text, sets)?;
         // From here on the scene goes by itself: to a run's folder, to another process.
         let absolute = |file: &Path| std::path::absolute(folder.join(file)).ok();
         match assign::with_files(scene.text(), absolute) {
@@ -73,24 +74,25 @@ impl Scene {
     /// # Errors
     /// As [`Self::load_with`].
     pub fn parse_with(name: &str, text: &str, sets: &[String]) -> Result<Self, SceneError> {
-        Self::parse_in(None, name, text, sets)
+        Self::parse_in(false, name, text, sets)
     }
 
-    /// Reads a scene whose paths start from `folder`, if it is from a file there.
-    fn parse_in(folder: Option<&Path>, name: &str, text: &str, sets: &[String]) -> Result<Self, SceneError> {
+    /// Reads a scene, which may be from a file: the paths that its text says start from its folder.
+    fn parse_in(from_file: bool, name: &str, text: &str, sets: &[String]) -> Result<Self, SceneError> {
+        let own = from_file.then_some(sets);
         let mut changed = text.to_owned();
         for assignment in sets {
             let set = assign::set(&changed, assignment);
             changed = set.map_err(|error| if error.source_name().is_empty() { error.of(name, text) } else { error })?;
         }
-        match read(&changed, folder) {
+        match read(&changed, own) {
             Ok(scene) => {
                 let given = (text.to_owned(), sets.to_vec());
                 Ok(Self { source: Source { text: changed, name: name.to_owned(), given }, ..scene })
             }
             Err((document, faults)) => {
                 let source = Source { text: changed, name: name.to_owned(), given: (text.to_owned(), sets.to_vec()) };
-                let found = |text: &str| read(text, folder).map_or_else(|(_, faults)| faults, |_| Vec::new());
+                let found = |text: &str| read(text, own).map_or_else(|(_, faults)| faults, |_| Vec::new());
                 Err(source.of_all(&document, faults, found))
             }
         }
@@ -362,9 +364,9 @@ fn read_text(path: &Path) -> Result<String, SceneError> {
 }
 
 /// The scene of a text, or its document and all faults.
-fn read(text: &str, folder: Option<&Path>) -> Result<Scene, (Document, Vec<SceneError>)> {
+fn read(text: &str, sets: Option<&[String]>) -> Result<Scene, (Document, Vec<SceneError>)> {
     let faults = Faults::default();
-    let document = match Document::parse(text, folder, &faults) {
+    let document = match Document::parse(text, sets, &faults) {
         Ok(document) => document,
         Err(error) => return Err((Document::default(), vec![error])),
     };

@@ -1,22 +1,25 @@
-//! Pictures: `[camera]` and `[picture]`.
+//! Pictures: `[[camera]]` and `[picture]`.
 
 use glam::DVec3;
 
 use crate::{
-    declare::{table, words},
+    declare::{faults_of, table, words},
+    error::SceneError,
     faults::At,
     keys::{
         Fallback::{Derived, Required, Value},
-        Kind::{Choice, Count, Positive, Table, Vector},
+        Kind::{Choice, Count, Positive, Table, Text, Vector},
     },
     limits::{MAX_HAIRS, MAX_PIXELS, MIN_PIXELS},
     scene::{Law, SceneValues},
 };
 
 table! {
-    /// `[camera]`: what pictures are taken with.
-    #[derive(Debug, Clone, Copy, PartialEq)]
+    /// One `[[camera]]`: what pictures are taken with.
+    #[derive(Debug, Clone, PartialEq)]
     pub struct Camera, with defaults, checked by Camera::check {
+        /// Name of the camera, for dotted keys and to choose it by.
+        name: String = Text, "", Value("camera".to_owned());
         /// Place and aim of the camera; `None` frames the hair.
         look_at as "": Option<LookAt> = Table, "", Derived("frames the hair");
         /// Vertical field of view, below 180.
@@ -71,6 +74,14 @@ impl LookAt {
 }
 
 impl Camera {
+    /// Checks a camera that was made in code, as [`Scene::check`](crate::Scene::check) does those of a scene.
+    ///
+    /// # Errors
+    /// [`SceneError`] with the key of each value that does not fit.
+    pub fn valid(&self) -> Result<(), SceneError> {
+        SceneError::of_all(faults_of(self)).map_or(Ok(()), Err)
+    }
+
     fn check(&self, at: &At<'_>) {
         if self.fov >= 180.0 {
             at.fault("fov", format!("expected an angle below 180 degrees, found {}", self.fov));

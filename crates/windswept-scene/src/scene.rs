@@ -13,7 +13,7 @@ pub use air::{Air, Bounds, CheckedAir, Gust, Inflow};
 pub(crate) use air::{check_size, rounded};
 pub use fluid::{CheckedFluid, CheckedInteraction, Fluid, FluidSolver, Interaction, Model};
 pub(crate) use hair::FRICTION;
-pub use hair::{Curl, Drawn, Fibre, GroomFile, Hair, HairSource, Moduli, Stiffness, StrandStiffness, Up};
+pub use hair::{Clump, Curl, Drawn, Fibre, GroomFile, Hair, HairSource, Moduli, Stiffness, StrandStiffness, Up};
 pub use rods::{CheckedRods, Integrator, Rods, Solver};
 pub use roots::{Cap, Patch, RootPatch, RootShape, Roots, Scalp};
 pub use turbulence::{Band, CheckedTurbulence, DirectFilter, Filter, GridFilter, Law, Turbulence};
@@ -87,8 +87,8 @@ table! {
         viscosity: Viscosity as CheckedViscosity = Table, "", Derived("its defaults");
         /// Cosserat rods.
         rods: Rods as CheckedRods = Table, "", Derived("its defaults");
-        /// Camera that pictures are taken with.
-        camera: Camera = Table, "", Derived("its defaults");
+        /// Cameras; several as `[[camera]]`, each with a name. A run's pictures are taken with the first.
+        cameras as "camera": Vec<Camera> = Tables, "", Derived("one that frames the hair");
         /// Contents of pictures.
         picture: Picture = Table, "", Derived("its defaults");
         /// Values that change while the scene runs; several as `[[change]]`.
@@ -190,16 +190,51 @@ table! {
 }
 
 impl Time {
-    /// Steps between two frames, not rounded; at least 1, as no state is exported twice.
+    /// Steps between two frames; at least 1, as no state is exported twice. A whole number where it is one to 1e-5, as of
+    /// a step that is written with few digits; else frames are at the nearest steps.
     #[must_use]
     pub fn steps_per_frame(&self) -> f64 {
-        (1.0 / (self.frame_rate * self.step)).max(1.0)
+        let steps = 1.0 / (self.frame_rate * self.step);
+        let whole = steps.round().max(1.0);
+        if (steps - whole).abs() < 1e-5 * whole { whole } else { steps.max(1.0) }
     }
 
     /// Number of steps before frame `k`: round(k / (frame_rate Δt)).
     #[must_use]
     pub fn step_of_frame(&self, k: u64) -> u64 {
         (k as f64 * self.steps_per_frame()).round() as u64
+    }
+
+    /// Steps from frame to frame, where those are as long as a frame; `None` where they are not.
+    fn whole_steps(&self) -> Option<f64> {
+        let steps = self.steps_per_frame();
+        (steps.fract() == 0.0 && (steps * self.frame_rate * self.step - 1.0).abs() < 2e-5).then_some(steps)
+    }
+
+    /// Time code of a state at `time` \[s\], in a film of `frame_rate` codes per second: frames are at whole ones where a
+    /// whole number of steps is as long as a frame.
+    #[must_use]
+    pub fn code(&self, time: f64) -> f64 {
+        match self.whole_steps() {
+            Some(steps) => (time / self.step).round() / steps,
+            // A product of two decimal numbers, without its last bits.
+            None => (time * self.frame_rate * 1e9).round() / 1e9,
+        }
+    }
+
+    /// Says at which time codes frames are, where those are not whole ones.
+    #[must_use]
+    pub fn uneven(&self) -> Option<String> {
+        if self.whole_steps().is_some() {
+            return None;
+        }
+        let step = format!("{:.5e}", 1.0 / (self.frame_rate * self.steps_per_frame().round()));
+        let (step, first) = (step.parse().unwrap_or(self.step), self.step_of_frame(1) as f64 * self.step);
+        Some(format!(
+            "frames are at the nearest steps of {} s, the first at time code {}; time.step = {step} puts them at whole ones",
+            self.step,
+            self.code(first)
+        ))
     }
 
     /// A run of `duration` \[s\] with steps of `step` \[s\] and 60 frames per second.
@@ -414,7 +449,7 @@ impl Scene {
             turbulence: Turbulence::default(),
             viscosity: Viscosity::default(),
             rods: Rods::default(),
-            camera: Camera::default(),
+            cameras: Vec::new(),
             picture: Picture::default(),
             changes: Vec::new(),
             source: Source::default(),
@@ -445,6 +480,10 @@ impl Scene {
         names("hair", self.hair.iter().map(|hair| &hair.name).collect());
         names("body", self.bodies.iter().map(|body| &body.name).collect());
         names("force", self.forces.iter().map(|force| &force.name).collect());
+        names("camera", self.cameras.iter().map(|camera| &camera.name).collect());
+        if checked.cameras.is_empty() {
+            checked.cameras.push(Camera::default());
+        }
         let mut keyframes = 0;
         for (i, force) in checked.forces.iter().enumerate() {
             let before = keyframes;
@@ -482,6 +521,7 @@ impl Scene {
             at.fault("viscosity.smagorinsky", words);
         }
         checked.check_bands(self, at);
+        checked.follow_body(self, at);
         checked.check_bodies(at);
         checked.check_picture(at);
         checked.move_roots_with_bodies(at);

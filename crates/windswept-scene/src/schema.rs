@@ -56,6 +56,10 @@ fn of(key: &Key) -> Value {
         Kind::Vector | Kind::Direction => {
             json!({ "type": "array", "items": { "type": "number" }, "minItems": 3, "maxItems": 3 })
         }
+        Kind::Profile => {
+            let pair = json!({ "type": "array", "items": { "type": "number" }, "minItems": 2, "maxItems": 2 });
+            json!({ "type": "array", "items": pair, "minItems": 1 })
+        }
         Kind::Choice(words) => json!({ "enum": words }),
         Kind::Values => json!({ "type": "object" }),
         Kind::Table => return table(&key.path, &help),

@@ -8,9 +8,10 @@ use std::{
     sync::{Arc, Mutex, PoisonError, Weak},
 };
 
-use glam::{DMat3, DQuat, DVec3};
+use glam::{DQuat, DVec3};
 
 use crate::{
+    body::turned,
     curves::{
         file_bytes, no_unit,
         npz::{self, MovingMesh},
@@ -57,7 +58,7 @@ table! {
         /// Axis of the file that points up, or the axes of the file that become x, y and z; xzy, yxz and zyx mirror.
         up: Up = Choice(Up::WORDS), "", Value(Up::Y);
         /// Spacing of the grid of distances from the mesh.
-        resolution: Option<f64> = Length, "m", Derived("0.002, or less: 128 cells along its longest side");
+        resolution: Option<f64> = Length, "m", Derived("0.002; less for a small mesh: 128 cells along its longest side; more for one whose grid would be too large");
     }
 }
 
@@ -410,9 +411,7 @@ impl Solid {
 
     /// The solid with each of its points where `place`, which must be rigid, has it.
     pub(crate) fn moved(&self, place: impl Fn(DVec3) -> DVec3) -> Self {
-        let origin = place(self.origin);
-        let axes = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| place(self.place(axis)) - origin);
-        let rotation = DQuat::from_mat3(&DMat3::from_cols(axes[0], axes[1], axes[2])).normalize();
+        let (origin, rotation) = (place(self.origin), turned(place, self.origin, self.rotation));
         Self { rotation, origin, ..self.clone() }
     }
 

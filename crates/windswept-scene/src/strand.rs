@@ -5,6 +5,7 @@ use std::f64::consts::PI;
 use glam::{DMat3, DQuat, DVec3};
 
 use crate::{
+    profile::Profile,
     scene::{Fibre, Moduli, Stiffness, StrandStiffness},
     strands::{End, Ends, Strands},
 };
@@ -74,6 +75,8 @@ pub(crate) struct Shape {
     pub(crate) ends: [End; 2],
     /// Ghost frame beyond the tip, and its rest rotation from the last frame.
     pub(crate) tip: (DQuat, DQuat),
+    /// Factor of the stiffness to bend and twist along the strand, where it is not 1.
+    pub(crate) stiffness: Option<Profile>,
 }
 
 impl Shape {
@@ -114,7 +117,7 @@ impl Shape {
                 tip,
                 tip_frame: self.tip.0,
                 tip_rest_rotation: self.tip.1,
-                tip_compliance: 0.125 * self.lengths[segments - 1] / fibre.bend(1.0),
+                tip_compliance: 0.125 * self.lengths[segments - 1] / (self.stiffness_at(segments) * fibre.bend(1.0)),
             },
             _ => Ends { root, tip, ..Ends::default() },
         });
@@ -139,7 +142,13 @@ impl Shape {
     pub(crate) fn bend_compliance(&self, fibre: &Fibre, k: usize) -> DVec3 {
         let l = self.lengths[k];
         let joint = if k == 0 { 0.5 * l } else { 0.5 * (self.lengths[k - 1] + l) };
-        0.25 * joint / fibre.bend(k as f64 / self.lengths.len() as f64)
+        0.25 * joint / (self.stiffness_at(k) * fibre.bend(k as f64 / self.lengths.len() as f64))
+    }
+
+    /// Factor of the stiffness at the root of segment `k`, or at the tip.
+    fn stiffness_at(&self, k: usize) -> f64 {
+        let part = || self.lengths[..k].iter().sum::<f64>() / self.lengths.iter().sum::<f64>();
+        self.stiffness.as_ref().map_or(1.0, |profile| profile.at(part()))
     }
 }
 

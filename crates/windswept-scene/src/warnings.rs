@@ -388,7 +388,7 @@ pub(crate) fn of_way_beside(scene: &SceneValues, air: &CheckedAir) -> Vec<Warnin
         return Vec::new();
     }
     let each = scene.bodies.iter().filter_map(|body| {
-        let speed = air.fastest_past(&body.motion);
+        let speed = air.fastest_past(&scene.in_frame(&body.motion));
         let spacing = air.spacing;
         let round = body.shape.solid().is_none().then(|| WAY_BY_RADIUS * body.shape.inradius());
         let (most, of) = match round {

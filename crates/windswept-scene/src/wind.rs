@@ -115,7 +115,7 @@ impl CheckedAir {
     }
 
     /// Velocity that gusts add at `time`: linear between keyframes, held before the first and after the last.
-    fn gust_at(&self, time: f64) -> [f64; 3] {
+    pub(crate) fn gust_at(&self, time: f64) -> [f64; 3] {
         let next = self.gust.partition_point(|gust| gust.time <= time);
         match (next.checked_sub(1).and_then(|last| self.gust.get(last)), self.gust.get(next)) {
             (Some(a), Some(b)) => {

@@ -8,7 +8,8 @@ use std::f64::consts::PI;
 use common::{BRUSH, assert_close, scene_of};
 use glam::{DQuat, DVec3};
 use windswept_scene::{
-    CheckedBody, CheckedShape, Groom, InitialState, Keyframe, Motion, Pose, Round, Solid, Triangles,
+    Body, Capsule, CheckedBody, CheckedShape, Cuboid, Groom, InitialState, Keyframe, Model, Motion, Pose, Scene, Solid,
+    Time, Triangles,
 };
 
 fn keyframe(time: f64, translation: [f64; 3], rotation: [f64; 3]) -> Keyframe {
@@ -54,8 +55,9 @@ fn a_motion_turns_about_the_centre() {
         friction: 0.0,
         motion,
     };
-    let Round { ends, radius } = body.at(0.0).round();
-    assert!(ends[0].distance(DVec3::new(4.0, 1.0, 1.0)) < 1e-15 && ends[1].distance(DVec3::new(4.0, 3.0, 1.0)) < 1e-15);
+    let CheckedShape::Capsule(Capsule { start, end, radius }) = body.at(0.0) else { panic!("a capsule stays one") };
+    let [start, end] = [start, end].map(DVec3::from_array);
+    assert!(start.distance(DVec3::new(4.0, 1.0, 1.0)) < 1e-15 && end.distance(DVec3::new(4.0, 3.0, 1.0)) < 1e-15);
     assert_eq!(radius, 0.5);
 }
 
@@ -78,6 +80,75 @@ fn distances_are_to_the_surface() {
     }
     // From the middle any way across the axis leads out.
     assert!(bone.signed_distance(DVec3::X).1.dot(DVec3::X).abs() < 1e-15);
+}
+
+/// The shape of a body as a checked scene has it.
+fn checked(body: Body) -> CheckedShape {
+    let mut scene = Scene { bodies: vec![body], ..Scene::new(Time::new(1e-3, 1.0)) };
+    scene.interaction.model = Some(Model::None);
+    scene.check().unwrap().bodies[0].shape.clone()
+}
+
+/// By hand: a box of 4 x 2 x 6 m about (1, 0, 0), the same turned by a quarter about y, and the plane y = x.
+#[test]
+fn distances_are_to_the_sides_of_boxes_and_planes() {
+    let cuboid = Cuboid { center: [1.0, 0.0, 0.0], size: [4.0, 2.0, 6.0], rotation: [0.0; 3] };
+    let block = CheckedShape::Cuboid(cuboid);
+    let turned = CheckedShape::Cuboid(Cuboid { rotation: [0.0, 0.5 * PI, 0.0], ..cuboid });
+    let ramp = checked(Body::plane([5.0, 5.0, 0.0], [-3.0, 3.0, 0.0]));
+    let up = DVec3::new(-1.0, 1.0, 0.0) / 2.0_f64.sqrt();
+    for (shape, x, distance, gradient) in [
+        (&block, DVec3::new(2.0, 3.0, 1.0), 2.0, DVec3::Y),
+        (&block, DVec3::new(6.0, 5.0, 0.0), 5.0, DVec3::new(0.6, 0.8, 0.0)),
+        (&block, DVec3::new(-2.0, -3.0, 5.0), 3.0, DVec3::new(-1.0, -2.0, 2.0) / 3.0),
+        (&block, DVec3::new(1.0, -0.7, 0.0), -0.3, DVec3::NEG_Y),
+        (&block, DVec3::new(2.9, 0.2, 0.0), -0.1, DVec3::X),
+        (&block, DVec3::new(1.0, 0.0, -2.5), -0.5, DVec3::NEG_Z),
+        (&turned, DVec3::new(1.0, 0.0, -3.0), 1.0, DVec3::NEG_Z),
+        (&turned, DVec3::new(5.0, 0.0, 0.0), 1.0, DVec3::X),
+        (&ramp, DVec3::new(0.0, 2.0, 7.0), 2.0_f64.sqrt(), up),
+        (&ramp, DVec3::new(1e4, 0.0, -3.0), -1e4 / 2.0_f64.sqrt(), up),
+    ] {
+        let (found, way) = shape.signed_distance(x);
+        assert_close(found, distance, "distance");
+        assert!(way.distance(gradient) < 1e-14, "{x}: {way}, not {gradient}");
+    }
+    // A motion turns both about their centre.
+    let pose = Pose { translation: DVec3::Z, rotation: DQuat::from_rotation_z(0.5 * PI) };
+    for (body, x, distance) in [
+        (Body::cuboid([1.0, 0.0, 0.0], [4.0, 2.0, 6.0]), DVec3::new(1.0, 2.5, 1.0), 0.5),
+        (Body::plane([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]), DVec3::new(-3.0, 2.5, 1.0), 4.0),
+    ] {
+        let body = CheckedBody { name: String::new(), shape: checked(body), friction: 0.0, motion: Motion::default() };
+        assert_close(body.placed(&pose).signed_distance(x).0, distance, "moved distance");
+    }
+    assert_eq!([block.inradius(), ramp.inradius()], [1.0, 0.1]);
+    assert_eq!(block.bounds(), [DVec3::new(-1.0, -1.0, -3.0), DVec3::new(3.0, 1.0, 3.0)]);
+    assert_eq!(ramp.bounds(), [DVec3::new(5.0, 5.0, 0.0); 2]);
+}
+
+/// The sides of a box enclose its volume; of a plane a square of 2 m is drawn, its front along the normal.
+#[test]
+fn sides_are_drawn_as_they_are() {
+    let block =
+        CheckedShape::Cuboid(Cuboid { center: [1.0, 2.0, 3.0], size: [0.4, 0.2, 0.6], rotation: [0.3, -1.0, 2.0] });
+    assert_close(enclosed(&block.surface(48, 96)), 0.048, "volume");
+    let ramp = checked(Body::plane([5.0, 5.0, 0.0], [-1.0, 1.0, 0.0]));
+    for shape in [&block, &ramp] {
+        for (x, normal) in shape.skin(48, 96) {
+            assert!(shape.signed_distance(x).0.abs() < 1e-14, "{x}");
+            assert!((shape.signed_distance(x + 1e-3 * normal).0 - 1e-3).abs() < 1e-14, "{x}: {normal}");
+        }
+    }
+    let surface = ramp.surface(48, 96);
+    let across = surface.corners.iter().map(|corners| corners.map(|i| surface.points[i as usize]));
+    let areas: DVec3 = across.map(|[a, b, c]| 0.5 * (b - a).cross(c - a)).sum();
+    assert!(areas.distance(4.0 * DVec3::new(-1.0, 1.0, 0.0).normalize()) < 1e-14, "{areas}");
+}
+
+fn enclosed(surface: &Triangles) -> f64 {
+    let corners = surface.corners.iter().map(|corners| corners.map(|i| surface.points[i as usize]));
+    corners.map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum()
 }
 
 /// The skin's points are on the surface, its normals are the gradient's, and its box is the bounds.
@@ -103,10 +174,6 @@ fn a_skin_lies_on_the_surface() {
 /// mesh is the mesh's.
 #[test]
 fn a_surface_encloses_its_volume() {
-    let enclosed = |surface: &Triangles| {
-        let corners = surface.corners.iter().map(|corners| corners.map(|i| surface.points[i as usize]));
-        corners.map(|[a, b, c]| a.dot(b.cross(c)) / 6.0).sum::<f64>()
-    };
     let (ball, side) = (4.0 / 3.0 * PI * 0.3_f64.powi(3), PI * 0.09 * DVec3::new(2.0, -1.1, 0.4).length());
     for (shape, volume) in [
         (CheckedShape::sphere([1.0, 2.0, 3.0], 0.3), ball),

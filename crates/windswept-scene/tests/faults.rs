@@ -71,8 +71,8 @@ const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
     ("[hair.roots]\ncenter = [0.05, 0.05, 0.05]\nradius = 0.01\n", "", 4, "hair.roots.center", &["is missing"]),
     ("max = [0.1, 0.1, 0.1]", "max = [0.1, 0.02, 0.1]", 12, "air.box", &["at least 3 kernel radii", "0.02 m in y"]),
     ("max = [0.1, 0.1, 0.1]", "max = [0.1, -0.1, 0.1]", 12, "air.box", &["max above min", "in y"]),
-    ("max = [0.1, 0.1, 0.1]", "max = [100.0, 100.0, 100.0]", 12, "air.box", &["would hold 8.836e12 particles", "at most 50000000"]),
-    ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, 0.0, 0.0]\nkernel_radius = 9.3e-3\nspacing = 0.0919", 12, "air.box", &["would hold 1.288 particles", "at least 27"]),
+    ("max = [0.1, 0.1, 0.1]", "max = [100.0, 100.0, 100.0]", 12, "air.box", &["would hold 8.836e12 particles", "at most 50000000, with a spacing of at least"]),
+    ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, 0.0, 0.0]\nkernel_radius = 9.3e-3\nspacing = 0.0919", 12, "air.box", &["would hold 1.28841 particles", "at least 27, with a spacing of at most 0.0333333 m"]),
     ("max = [0.1, 0.1, 0.1]", "max = [0.1, 0.0278, 0.1]", 12, "air.box", &["at least 3 kernel radii, 0.0279 m; found 0.0278 m in y"]),
     // A grid that wraps or cannot be summed; a kernel that reaches no neighbour.
     ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, 0.0, 0.0]\nkernel_radius = 1e-6", 14, "air.kernel_radius", &["makes 1.000e15 cells of the box", "at most 8e6"]),
@@ -104,10 +104,11 @@ const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
     ("[air]", "[viscosity]\nair = 0.1\nkinematic_air = 1e-5\n[air]", 13, "viscosity.kinematic_air", &["expected one of them"]),
     ("[air]", "[viscosity]\nsmagorinsky = 0.1\n[fluid]\nsolver = \"pbf\"\n[air]", 12, "viscosity.smagorinsky", &["expected 0: fluid.solver is \"pbf\""]),
     ("[air]", "[viscosity]\nkinematic_hair = 1e-5\nhair = 0.1\n[air]", 12, "viscosity.kinematic_hair", &["expected one of them"]),
-    ("[air]", "[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 0]\nfov = 190\n[air]", 14, "camera.fov", &["below 180"]),
-    ("[air]", "[camera]\neye = [0, 0, 1]\n[air]", 11, "camera.target", &["is missing"]),
-    ("[air]", "[camera]\nwidth = 90\ntarget = [0, 0, 1]\n[air]", 11, "camera.eye", &["is missing"]),
-    ("[air]", "[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 1]\n[air]", 13, "camera.target", &["same point as camera.eye"]),
+    ("[air]", "[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 0]\nfov = 190\n[air]", 14, "camera.0.fov", &["below 180"]),
+    ("[air]", "[[camera]]\nname = \"a\"\n[[camera]]\nname = \"a\"\n[air]", 13, "camera.1.name", &["\"a\" a second time"]),
+    ("[air]", "[camera]\neye = [0, 0, 1]\n[air]", 11, "camera.0.target", &["is missing"]),
+    ("[air]", "[camera]\nwidth = 90\ntarget = [0, 0, 1]\n[air]", 11, "camera.0.eye", &["is missing"]),
+    ("[air]", "[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 1]\n[air]", 13, "camera.0.target", &["same point as camera.eye"]),
     ("[air]", "[picture]\nair = \"vorticity\"\n[interaction]\nmodel = \"drag\"\n[air]", 12, "picture.air", &["\"vorticity\" needs air particles"]),
     ("[air]", "[picture]\nair = \"vorticity\"\n[fluid]\niterations = 0\n[viscosity]\nhair = 0\nair = 0\n[air]", 12, "picture.air", &["needs particles that have neighbours"]),
     ("[air]", "[picture]\nair = \"band_energy\"\n[interaction]\nmodel = \"none\"\n[air]", 12, "picture.air", &["\"band_energy\" needs air particles"]),
@@ -151,15 +152,21 @@ const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
     ("[air]", "[air.inflow]\nscale = 0.01\n[air]", 11, "air.inflow.intensity", &["is missing"]),
     ("[air]", "[air.inflow]\nscale = 0\nintensity = 0.1\n[air]", 12, "air.inflow.scale", &["greater than 0"]),
     ("[air]", "[[air.gust]]\ntime = 1\nvelocity = [0, 0, 0]\n[[air.gust]]\ntime = 1\nvelocity = [0, 0, 0]\n[air]", 15, "air.gust.1.time", &["after that of the keyframe before, 1 s"]),
+    ("[air]", "[camra]\nfov = 30\n[air]", 11, "camra", &["unknown key", "did you mean camera?"]),
+    ("[air]", "[forces]\nfield = \"jet\"\n[air]", 11, "forces", &["unknown key", "did you mean force?"]),
+    ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, 0.0, 0.0]\nparticle_mass = 1e-7", 14, "air.particle_mass", &["unknown key", "air.spacing says how fine the air is"]),
+    ("wind = [3.0, 0.0, 0.0]", "wind = [3.0, 0.0, 0.0]\nkernel_radius = 9.3e-3\nspacing = 4.8", 12, "air.box", &["would hold 0.00000904225 particles", "at most 0.0333333 m"]),
     // Bodies and their motion.
     ("[air]", "[[body]]\n[air]", 11, "body.center", &["is missing: expected three numbers", "body.radius: is missing"]),
     ("[air]", "[[body]]\nradius = 0.02\n[air]", 11, "body.center", &["is missing: expected three numbers"]),
-    ("[air]", "[[body]]\nshape = \"cube\"\n[air]", 12, "body.shape", &["one of \"sphere\", \"capsule\", \"mesh\", found \"cube\""]),
+    ("[air]", "[[body]]\nshape = \"cube\"\n[air]", 12, "body.shape", &["one of \"sphere\", \"capsule\", \"box\", \"plane\", \"mesh\", found \"cube\""]),
     ("[air]", "[[body]]\nradius = 0\n[air]", 12, "body.radius", &["greater than 0"]),
     ("[air]", "[[body]]\nradius = 0.02\nshape = \"capsule\"\ncenter = [0, 0, 0]\n[air]", 14, "body.center", &["goes with shape \"sphere\": expected no such key with shape \"capsule\""]),
     ("[air]", "[[body]]\nradius = 0.02\ncenter = [0, 0, 0]\nend = [0, 0, 1]\n[air]", 14, "body.end", &["goes with shape \"capsule\": expected no such key with shape \"sphere\""]),
     ("[air]", "[[body]]\nradius = 0.02\nshape = \"capsule\"\nend = [0, 0, 1]\n[air]", 11, "body.start", &["is missing: expected three numbers"]),
     ("[air]", "[[body]]\nradius = 0.02\nshape = \"capsule\"\nstart = [0, 0, 1]\nend = [0, 0, 1]\n[air]", 15, "body.end", &["same point as start", "shape \"sphere\""]),
+    ("[air]", "[[body]]\nshape = \"box\"\ncenter = [0, 0, 0]\nsize = [1, 0, 1]\n[air]", 14, "body.size", &["is [1.0, 0.0, 1.0]; expected three lengths in metres greater than 0"]),
+    ("[air]", "[[body]]\nshape = \"plane\"\npoint = [0, 0, 0]\nnormal = [0, 0, 0]\n[air]", 14, "body.normal", &["three numbers, [x, y, z], not all 0"]),
     ("[air]", "[[body]]\nradius = 0.02\ncenter = [0, 0, 0]\nfriction = -1\n[air]", 14, "body.friction", &["at least 0"]),
     ("[air]", "[[body]]\nradius = 0.06\ncenter = [0.05, 0.05, 0.05]\n[air]", 11, "body", &["block 96 % of air.box across x"]),
     ("[air]", "[[body]]\nradius = 0.01\ncenter = [0, 0, 0]\nmotion = [{ time = -1 }]\n[air]", 14, "body.motion.0.time", &["at least 0 [s]"]),
@@ -241,7 +248,7 @@ fn an_assignment_changes_its_key() {
     assert_eq!(set(QUICK, &["air.box.max=[0.2,0.12,0.07]"]).unwrap().air.as_ref().unwrap().bounds.unwrap().max[0], 0.2);
     assert_eq!(set(QUICK, &["method=published"]).unwrap().method, windswept_scene::Method::Published);
     assert_eq!(set(QUICK, &["title=\"a = b\""]).unwrap().title, "a = b");
-    assert_eq!(set(QUICK, &["camera.eye=[0,0,1]", "camera.target=[0,0,0]"]).unwrap().camera.width, 960);
+    assert_eq!(set(QUICK, &["camera.eye=[0,0,1]", "camera.target=[0,0,0]"]).unwrap().cameras[0].width, 960);
     let text = set(QUICK, &["hair.length=0.2"]).unwrap().scene().text().to_owned();
     assert_eq!(text.lines().count(), QUICK.lines().count());
     assert!(text.contains("length = 0.2                       # m, along the curl"), "comments are kept: {text}");

@@ -160,7 +160,8 @@ fn what_a_file_leaves_out_has_its_default() {
     assert_eq!((scene.viscosity.hair, scene.viscosity.air), (1.4, 0.014));
     assert_eq!((scene.rods.iterations, scene.rods.damping), (10, 0.0));
     assert_eq!((scene.rods.newton, scene.rods.sleep), (8, true));
-    assert_eq!(scene.camera, Camera { look_at: None, fov: 26.0, width: 960, height: 540 });
+    let camera = Camera { name: "camera".to_owned(), look_at: None, fov: 26.0, width: 960, height: 540 };
+    assert_eq!(scene.cameras, [camera]);
 }
 
 #[test]
@@ -242,6 +243,9 @@ fn a_scene_written_out_is_the_same_scene() {
          keyframes = [{{ time = 0, strength = -1 }}, {{ time = 1, strength = 2 }}]\n\
          [[force]]\nfield = \"point\"\norigin = [0, 0, 0]\nreach = 0.1\nradius = 0.05\nuptake = 0.02\nstrength = 0\n"
     );
+    let cameras = format!(
+        "{LEAST}\n[[camera]]\nname = \"front\"\n[[camera]]\nname = \"side\"\neye = [1, 0, 0]\ntarget = [0, 0, 0]\n"
+    );
     let camera = ["camera.eye=[1,2,3]", "camera.target=[0,0,0.1]", "camera.fov=40"];
     for (text, sets) in [
         (QUICK, &[][..]),
@@ -254,6 +258,7 @@ fn a_scene_written_out_is_the_same_scene() {
         (&groups, &camera),
         (&bodies, &["body.neck.friction=0.5"]),
         (&forces, &["force.fan.reach=0.3"]),
+        (&cameras, &["camera.side.fov=20"]),
     ] {
         let scene = written(text, sets);
         let text_of = scene.to_toml();
@@ -284,7 +289,7 @@ fn a_scene_written_out_is_the_same_scene() {
     // Scenes that differ are not equal.
     let mut other = written(QUICK, &[]);
     let look_at = Some(LookAt { eye: [1.0; 3], target: [0.0; 3] });
-    other.camera = Camera { look_at, width: 100, ..other.camera };
+    other.cameras = vec![Camera { look_at, width: 100, ..Camera::default() }];
     assert_ne!(other, written(QUICK, &[]));
     assert_eq!(Scene::parse(&other.to_toml()).unwrap(), other);
 }

@@ -10,7 +10,7 @@ use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept_scene::{
     CheckedScene, Curves, End, Fibre, Groom, GroomFile, GroomFormat, HairSource, InitialState, Moduli, RestShape,
-    Scene, Stiffness, Triangles, Up, Warning,
+    Scene, Stiffness, Triangles, Up, Warning, npy_head,
 };
 
 fn f32s(numbers: &[f32]) -> Vec<u8> {
@@ -276,6 +276,85 @@ fn what_cannot_be_a_strand_is_left_out_and_counted() {
     assert!(error.message().contains("expected strands that can be simulated"), "{error}");
 }
 
+/// A strand that is far shorter than the others is simulated like them, and named.
+#[test]
+fn strands_far_shorter_than_the_rest_are_named() {
+    let folder = Folder::new();
+    let line = |length: f32| (0..10).map(|k| [0.0, -length * k as f32 / 9.0, 0.0]).collect::<Vec<_>>();
+    let of = |length: f32| {
+        let path = folder.write("some.hair", &hair_file(&[line(0.15), line(0.15), line(length), line(0.15)], None));
+        GroomFile { scale: Some(1.0), ..GroomFile::new(path.to_string_lossy()) }.curves(1).unwrap()
+    };
+    let (curves, notes) = of(1e-3);
+    assert_eq!(curves.len(), 4);
+    assert!(notes[0].contains("1 of the 4 strands") && notes[0].ends_with("id 2, 1.000e-3 m"), "{notes:?}");
+    assert_eq!(of(4e-3).1, Vec::<String>::new());
+}
+
+/// Arrays of unlike strands are filled up behind the tips, with zeros, not-a-numbers or repeats: no part of a strand.
+#[test]
+fn padding_is_cut_off_and_counted() {
+    let folder = Folder::new();
+    let line = |x: f64, n: usize| (0..n).map(|k| [x, -0.01 * k as f64, 0.0]).collect::<Vec<_>>();
+    for fill in [Some(0.0), Some(f64::NAN), None] {
+        let mut points = Vec::new();
+        for (x, n) in [(0.1, 8), (0.2, 5), (0.3, 2)] {
+            let strand = line(x, n);
+            let last = fill.map_or(strand[n - 1], |x| [x; 3]);
+            points.extend(strand.into_iter().chain(std::iter::repeat_n(last, 8 - n)));
+        }
+        let array = npy_head("<f8", &[3, 8, 3]);
+        let numbers = points.as_flattened().iter().flat_map(|x| x.to_le_bytes());
+        let path = folder.write("some.npy", &array.into_iter().chain(numbers).collect::<Vec<_>>());
+        let file = GroomFile { scale: Some(1.0), ..GroomFile::new(path.to_string_lossy()) };
+        let (curves, notes) = file.curves(1).unwrap();
+        assert_eq!(curves.offsets, [0, 8, 13, 15]);
+        assert_eq!(curves.strand(1), line(0.2, 5));
+        assert!(notes[0].contains("2 of the 3 strands") && notes[0].contains("padding"), "{notes:?}");
+        // Points that are placed anew are all on the strand.
+        let (curves, _) = GroomFile { points: Some(3), ..file }.curves(1).unwrap();
+        assert!((curves.strand(2)[2][1] + 0.01).abs() < 1e-15, "{:?}", curves.strand(2));
+    }
+    // A tip at the origin is no padding.
+    let tip =
+        Curves { points: vec![[0.0, 1.0, 0.0], [0.0; 3]], offsets: vec![0, 2], ids: vec![0], ..Curves::default() };
+    assert_eq!(tip.clone().without_padding(), (tip, 0));
+}
+
+/// Lines of a `.ply` file are strands, in whatever order its edges and points stand.
+#[test]
+fn edges_of_ply_files_are_strands() {
+    let ply = GroomFormat::ALL.iter().find(|format| format.extension == "ply").unwrap();
+    let read = |edges: &[[u32; 2]]| {
+        let rows: String = edges.iter().map(|[a, b]| format!("{a} {b}\n")).collect();
+        let text = format!(
+            "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\n\
+             property float thickness\nelement edge {}\nproperty int vertex1\nproperty int vertex2\nend_header\n\
+             0 0 0 2\n5 0 0 4\n0 1 0 6\n5 1 0 8\n0 2 0 10\n9 9 9 12\n{rows}",
+            edges.len()
+        );
+        ply.read(text.as_bytes(), Some(2))
+    };
+    for edges in [[[0, 2], [2, 4], [1, 3]], [[3, 1], [4, 2], [0, 2]]] {
+        let curves = read(&edges).unwrap();
+        assert_eq!(curves.offsets, [0, 3, 5, 6]);
+        assert_eq!(curves.strand(0), [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 2.0, 0.0]]);
+        assert_eq!(curves.strand(1), [[5.0, 0.0, 0.0], [5.0, 1.0, 0.0]]);
+        assert_eq!(curves.radius, [1.0, 3.0, 5.0, 2.0, 4.0, 6.0]);
+    }
+    for (edges, words) in [
+        (
+            &[[0, 1], [0, 2], [0, 3]][..],
+            "edge 2: expected strands, which do not branch, found a third edge at vertex 0",
+        ),
+        (&[[0, 1], [1, 2], [2, 0]], "expected strands with two ends, found a ring of edges through vertex 0"),
+        (&[[0, 6]], "edge 0: expected vertices below 6, found 6"),
+    ] {
+        let said = read(edges).unwrap_err().to_string();
+        assert!(said.contains(words), "{said}");
+    }
+}
+
 /// A file whose strands are longer or shorter than hair is told how long they would be in other units.
 #[test]
 fn files_in_another_unit_are_told() {
@@ -441,22 +520,25 @@ fn a_scene_takes_its_strands_from_a_file() {
     assert!((root - glam::DVec3::new(0.0, 1.01, 0.0)).length() < 1e-12, "{root}");
 }
 
-/// A path that starts elsewhere than in the scene's folder is refused with its line and key, also in an assignment; one
-/// that leads out of the folder is not. A scene's text for another folder has paths that start there.
+/// A path that starts elsewhere than in the scene's folder is refused with its line, key and reason, unless an assignment
+/// says it; one that leads out of the folder is not. A scene's text for another folder has paths that start there.
 #[test]
 fn paths_start_from_the_scenes_folder() {
     let folder = Folder::new();
     let file = folder.write("two.hair", &hair_file(&strands(5), None)).to_string_lossy().into_owned();
     let keys = |file: &str| format!("file = {file:?}\nscale = 0.01");
-    let expected = format!("hair.file: expected a path relative to the scene's folder, found {file:?}");
+    let expected = format!(
+        "hair.file: expected a path relative to the scene's folder, found {file:?}: a scene file goes to other machines with its files; \
+         --set and code may say any path"
+    );
     let error = scene_of(&folder, &keys(&file)).unwrap_err();
     assert_eq!((error.key(), error.line()), (Some("hair.file"), Some(4)), "{error}");
     assert!(error.to_string().ends_with(&format!("scene.toml:4: {expected}")), "{error}");
     let scene = scene_of(&folder, &keys("two.hair")).unwrap();
     let path = folder.path().join("scene.toml");
     let set = format!("hair.file={file:?}");
-    let error = Scene::load_with(&path, std::slice::from_ref(&set)).and_then(|scene| scene.check()).unwrap_err();
-    assert_eq!(error.to_string(), format!("--set {set}: {expected}"));
+    let assigned = Scene::load_with(&path, &[set]).and_then(|scene| scene.check()).unwrap();
+    assert_eq!(assigned.hair[0].as_file().unwrap().file, file);
     let body =
         "[hair]\nfile = \"two.hair\"\nscale = 0.01\n[[body]]\nshape = \"mesh\"\nscale = 1\nfile = \"/none.obj\"\n";
     let head = "time = { step = 1e-3, duration = 1 }\ninteraction.model = \"none\"\n";

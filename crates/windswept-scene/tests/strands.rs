@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 
 use common::{assert_close, brush, fibres};
 use glam::{DMat3, DQuat, DVec3};
-use windswept_scene::{Roots, Strands, Warning};
+use windswept_scene::{End, Groom, InitialState, Roots, Scene, Strands, Warning};
 
 /// Stretch-shear (p1 - p0)/l - d3 and bend-twist Im(p) - s Im(rest) of every strand; the largest of each.
 fn constraints(hair: &Strands) -> (f64, f64) {
@@ -142,6 +142,36 @@ fn masses_and_compliances_are_those_of_a_fibre() {
     assert_eq!(state.hair.inverse_mass[0], 0.0);
     assert!(state.hair.inverse_mass[1..11].iter().all(|w| *w == 1.0 / 1.46e-7));
     assert_close(state.hair.inverse_inertia[0], 2.0 / (1.46e-7 * l * l), "inertia with point_mass");
+}
+
+/// A stiffness along the strand scales what bends and twists, and that alone: a factor of 1 changes no bit. A clamped tip
+/// has the last factor, and curves of a groom that are divided unevenly have it by their length.
+#[test]
+fn stiffness_along_a_strand_scales_its_joints() {
+    let (_, plain) = brush(&[]);
+    let (_, one) = brush(&["hair.stiffness=[[0, 1], [0.4, 1]]"]);
+    assert_eq!(one.hair, plain.hair);
+    let (_, stiff) = brush(&["hair.stiffness=[[0, 4], [0.3, 1]]"]);
+    let segments = plain.hair.segments(0);
+    for (k, joint) in segments.clone().enumerate() {
+        let part = k as f64 / segments.len() as f64;
+        let factor = 4.0 - 10.0 * part.min(0.3);
+        let (soft, hard) = (plain.hair.bend_compliance[joint], stiff.hair.bend_compliance[joint]);
+        assert!((soft - factor * hard).abs().max_element() < 1e-12 * soft.max_element(), "joint {k}: {soft} {hard}");
+    }
+    assert_eq!(stiff.hair.stretch_compliance, plain.hair.stretch_compliance);
+    let points = vec![[0.0; 3], [0.01, 0.0, 0.0], [0.04, 0.0, 0.0], [0.05, 0.0, 0.0]];
+    let groom = |stiffness| Groom { stiffness, tip: End::Clamped.into(), ..Groom::new(points.clone(), vec![0, 4]) };
+    let scene = Scene::parse("time = { step = 1e-3, duration = 1.0 }\ninteraction.model = \"none\"").unwrap();
+    let of = |stiffness| InitialState::with_groom(&scene.check().unwrap(), &groom(stiffness)).unwrap().hair;
+    let (plain, stiff) = (of(None), of(Some([[0.0, 1.0], [1.0, 3.0]].into())));
+    let factors = [0, 1, 2].map(|k| plain.bend_compliance[k].x / stiff.bend_compliance[k].x);
+    for (found, expected) in factors.into_iter().zip([1.0, 1.4, 2.6]) {
+        assert!((found - expected).abs() < 1e-12, "{factors:?}");
+    }
+    assert!((plain.ends[0].tip_compliance.x / stiff.ends[0].tip_compliance.x - 3.0).abs() < 1e-12);
+    let error = InitialState::with_groom(&scene.check().unwrap(), &groom(Some([[0.5, 1.0], [0.2, 1.0]].into())));
+    assert!(error.unwrap_err().to_string().contains("groom.stiffness: expected pairs"));
 }
 
 /// In one fluid with air, hair moves with at least a tenth of the mass of the air whose room it takes, and weighs what

@@ -259,7 +259,12 @@ fn a_surface_that_encloses_nothing_is_refused() {
     }
     assert!(DistanceGrid::bake(&Triangles::default(), 0.01, 0.0).is_err());
     assert_eq!(DistanceGrid::spacing_for([DVec3::ZERO, DVec3::new(0.128, 0.1, 0.064)]), 0.001);
-    assert_eq!(DistanceGrid::spacing_for([DVec3::ZERO, DVec3::ONE]), 0.002);
+    assert_eq!(DistanceGrid::spacing_for([DVec3::ZERO, DVec3::new(1.0, 0.4, 0.2)]), 0.002);
+    // A cube of 1 m has (1/h + 21)³ nodes, and a tenth of a millimetre less would be too many; so for a person. Beyond 2 m a
+    // scale of other units is the likelier fault.
+    assert_eq!(DistanceGrid::spacing_for([DVec3::ZERO, DVec3::ONE]), 0.0034);
+    assert_eq!(DistanceGrid::spacing_for([DVec3::ZERO, DVec3::new(1.6, 1.8, 0.4)]), 0.0036);
+    assert_eq!(DistanceGrid::spacing_for([DVec3::ZERO, DVec3::splat(80.0)]), 0.002);
 }
 
 fn ply(mesh: &Triangles, binary: bool) -> Vec<u8> {
@@ -605,4 +610,17 @@ fn a_file_that_is_too_long_is_not_read() {
     assert!(said.contains("expected a line of a header that ends in end_header, within 1000000 bytes"), "{said}");
     let said = refused("long.glb", "", 1_000_000_001);
     assert!(said.contains("expected a file of at most 1000000000 bytes, found 1000000001"), "{said}");
+}
+
+/// Strips of a `.ply` file, as Stanford's scans have them: a sheet of two squares, whose fronts are on one side, and a
+/// triangle of a strip of its own.
+#[test]
+fn strips_of_ply_files_are_triangles() {
+    let text = "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty float y\nproperty float z\n\
+                element tristrips 1\nproperty list int int vertex_indices\nend_header\n\
+                0 0 0\n0 1 0\n1 0 0\n1 1 0\n2 0 0\n2 1 0\n11 0 1 2 3 4 5 -1 0 2 1 -1\n";
+    let read = Triangles::read("ply", text.as_bytes()).unwrap();
+    assert_eq!(read.corners, [[0, 1, 2], [2, 1, 3], [2, 3, 4], [4, 3, 5], [0, 2, 1]]);
+    let outside = text.replace("3 4 5 -1", "3 4 6 -1");
+    assert!(Triangles::read("ply", outside.as_bytes()).is_err());
 }

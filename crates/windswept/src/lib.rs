@@ -41,10 +41,10 @@
 
 /// Parts of a scene, and a scene as it is checked.
 pub use windswept_scene::{
-    Air, AirPicture, AsChecked, Band, Body, Bounds, Camera, Cap, Capsule, Change, CheckedScene, Counts, Curl,
+    Air, AirPicture, AsChecked, Band, Body, Bounds, Camera, Cap, Capsule, Change, CheckedScene, Counts, Cuboid, Curl,
     DirectFilter, Drawn, End, Fibre, Filter, Fluid, FluidSolver, Force, ForceField, GridFilter, Groom, GroomFile, Gust,
     Hair, HairSource, Inflow, InitialState, Integrator, Interaction, Keyframe, Law, LookAt, MeshFile, Method, Model,
-    Moduli, Motion, Patch, Picture, Pose, Rods, Roots, Scalp, Scene, SceneError, Shape, Solid, Solver, Sphere,
+    Moduli, Motion, Patch, Picture, Plane, Pose, Rods, Roots, Scalp, Scene, SceneError, Shape, Solid, Solver, Sphere,
     Stiffness, StrandStiffness, Strength, Time, Turbulence, Up, Viscosity, ViscosityForm, Warning,
 };
 

@@ -108,6 +108,9 @@ pub(crate) struct ExportOptions {
     /// Write all hairs that the strands stand for: those of the groom file, or hair.fibres_per_strand to each strand
     #[arg(long)]
     pub(crate) followers: bool,
+    /// Write the hair alone, without bodies and cameras
+    #[arg(long)]
+    pub(crate) hair_only: bool,
     /// Replace the file if it is there
     #[arg(long)]
     pub(crate) overwrite: bool,
@@ -115,7 +118,7 @@ pub(crate) struct ExportOptions {
 
 #[derive(Debug, Args)]
 pub(crate) struct RenderOptions {
-    /// Folder of the run; gets frames/0000.png and so on, and preview.gif
+    /// Folder of the run
     #[arg(value_name = "DIR")]
     pub(crate) dir: PathBuf,
     /// Part of a GPU's name, or `software` [default: $WGPU_ADAPTER_NAME, else the best]
@@ -133,6 +136,9 @@ pub(crate) struct RenderOptions {
         allow_negative_numbers = true
     )]
     pub(crate) every: NonZeroUsize,
+    /// Name of the camera that takes the pictures [default: the scene's first]
+    #[arg(long, value_name = "NAME")]
+    pub(crate) camera: Option<String>,
     /// Change a key of camera or picture, e.g. picture.hairs=50000; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub(crate) sets: Vec<String>,
@@ -146,9 +152,10 @@ pub(crate) struct RenderOptions {
         conflicts_with_all = ["frames", "every"]
     )]
     pub(crate) contact_sheet: Option<Vec<f64>>,
-    /// File for the contact sheet [default: DIR/contact-sheet.png]
-    #[arg(long, value_name = "FILE", requires = "contact_sheet")]
-    out: Option<PathBuf>,
+    /// Folder that gets frames/0000.png and so on, and preview.gif [default: DIR]; with --contact-sheet its file [default:
+    /// DIR/contact-sheet.png]
+    #[arg(long, value_name = "PATH")]
+    pub(crate) out: Option<PathBuf>,
     /// Replace the pictures that are there
     #[arg(long)]
     pub(crate) overwrite: bool,

@@ -12,7 +12,10 @@ use super::{
 };
 use crate::{
     error::{Error, RunError},
-    upload::motion::{Motions, hair_on},
+    upload::{
+        motion::{Motions, hair_on},
+        winds,
+    },
 };
 
 /// Motion of a body that a caller has set, by two keyframes, and what a mesh that deforms is like at these.
@@ -123,14 +126,30 @@ impl Simulation {
             }
         }
         let hair: Vec<usize> = hair_on(&self.given, body).collect();
-        self.scene = self.scene.assuming(|_, values| {
-            for group in &hair {
-                values.hair[*group].motion.keyframes.clone_from(&driven.motion.keyframes);
+        let follows = self.given.followed().is_some_and(|followed| followed.name == self.given.bodies[body].name);
+        self.scene = self.scene.assuming(|scene, values| {
+            let mut motion = driven.motion.clone();
+            if follows {
+                // The way of the frame is that since the start.
+                let start = values.bodies[body].motion.keyframes.first().filter(|_| motion.keyframes[0].time > 0.0);
+                let start = start.map_or_else(|| Keyframe::new(0.0), |start| Keyframe { time: 0.0, ..*start });
+                motion.keyframes.splice(0..0, (motion.keyframes[0].time > 0.0).then_some(start));
             }
-            values.bodies[body].motion = driven.motion.clone();
+            for group in &hair {
+                values.hair[*group].motion.keyframes.clone_from(&motion.keyframes);
+            }
+            values.bodies[body].motion = motion;
+            if let (Some(written), Some(air), true) = (&scene.air, &mut values.air, follows) {
+                air.gust.clone_from(&written.gust);
+                values.feel_frame();
+            }
         });
         if let Some(poses) = poses {
             self.scene = with_frames(&self.scene, body, &poses);
+        }
+        if follows {
+            self.engine.write(&self.engine.state().frame_table, &winds::frame_table(&self.scene))?;
+            self.turn_wind()?;
         }
         let motions = Motions::new(&self.scene);
         let halves = self.poses.set(&self.scene, body, &motions);

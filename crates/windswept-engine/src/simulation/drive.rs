@@ -11,7 +11,7 @@ use windswept_shaders::common::validity::FAST;
 
 use super::Simulation;
 use crate::{
-    error::{Error, RunError},
+    error::{Error, GpuError, RunError},
     setup::Setup,
     step::Plan,
     upload::{rods, winds},
@@ -47,7 +47,7 @@ impl Simulation {
             }
             self.root_frames = frames.iter().map(|q| q.normalize()).collect();
         }
-        let origin = self.initial.origin;
+        let origin = self.origin_after_step();
         let rows = positions.iter().zip(&self.root_frames);
         let targets: Vec<_> = rows.map(|(x, frame)| rods::root(*x - origin, *frame)).collect();
         self.was_set = true;
@@ -89,7 +89,7 @@ impl Simulation {
                     "points: the scene's hair.motion moves point {point} in row {row}, a tip that is held"
                 ));
             }
-            pins[point] = rods::pin(*place - self.initial.origin);
+            pins[point] = rods::pin(*place - self.origin_after_step());
         }
         self.was_set = true;
         Ok(self.engine.write(&self.engine.state().pins, &pins)?)
@@ -116,18 +116,18 @@ impl Simulation {
         if self.scene.air.is_none() {
             return Err(RunError::Input("wind: the scene has no air".to_owned()));
         }
-        let step = self.engine.seconds_of_step();
-        let before = self.last.step as f32 * step;
+        self.plan_wind(wind)?;
+        Ok(self.turn_wind()?)
+    }
+
+    /// Lets the scene's wind blow from the end of the next substep on, after the one that blows now.
+    pub(super) fn turn_wind(&self) -> Result<(), GpuError> {
+        let step = f64::from(self.engine.seconds_of_step());
+        let before = (f64::from(self.last.step) * step) as f32;
+        let time = (f64::from(self.last.step) + 1.0) * step;
         let table = &self.engine.state().wind_table;
-        let entries = winds::turned(
-            self.last.wind,
-            before,
-            wind.as_vec3().to_array(),
-            self.last.step.saturating_add(1) as f32 * step,
-            table.len() as usize,
-        );
-        self.engine.write(table, &entries)?;
-        Ok(self.plan_wind(wind)?)
+        let entries = winds::turned(&self.scene, self.last.wind, before, time, table.len() as usize);
+        self.engine.write(table, &entries)
     }
 
     /// Gives scene and plan this wind \[m/s\] in place of the scene's own.
@@ -137,6 +137,7 @@ impl Simulation {
                 (written.wind, written.ramp, written.gust) = (Some(wind.to_array()), 0.0, Vec::new());
                 (air.wind, air.ramp, air.gust) = (wind.to_array(), 0.0, Vec::new());
             }
+            values.feel_frame();
         });
         (self.wind_set, self.was_set) = (Some(wind), true);
         if self.plan.set_wind(wind != DVec3::ZERO) {
@@ -183,14 +184,14 @@ impl Simulation {
         let [now, speeds, frames] = self.engine.read_vec4([&s.position, &s.velocity, &s.orientation])?;
         let spins = self.engine.read(&s.segment_history)?;
         let vector = |v: &[f32; 4]| DVec3::new(v[0].into(), v[1].into(), v[2].into());
-        let origin = self.initial.origin;
+        let (origin, moves) = (self.origin(), self.frame_velocity());
         for i in 0..points {
             let held = hair.inverse_mass[i] == 0.0;
             hair.positions[i] = match positions {
                 Some(positions) if !held => positions[i],
                 _ => vector(&now[i]) + origin,
             };
-            hair.velocities[i] = velocities.map_or_else(|| vector(&speeds[i]), |v| v[i]);
+            hair.velocities[i] = velocities.map_or_else(|| vector(&speeds[i]), |v| v[i] - moves);
         }
         for (spin, now) in hair.angular_velocities.iter_mut().zip(&spins) {
             *spin = DVec3::from_array(now.angular_velocity.map(f64::from));
@@ -228,9 +229,11 @@ impl Simulation {
         let air = &self.initial.air;
         checked("positions", positions, air.positions.len())?;
         checked_speeds(velocities, air.positions.len())?;
-        let into_box = |x: &DVec3| (*x - air.min).rem_euclid(air.size);
+        let (origin, moves) = (self.origin(), self.frame_velocity());
+        let into_box = |x: &DVec3| (*x - origin).rem_euclid(air.size);
         let local: Option<Vec<DVec3>> = positions.map(|positions| positions.iter().map(into_box).collect());
-        self.engine.write_air(local.as_deref(), velocities, air.volume)?;
+        let velocities: Option<Vec<DVec3>> = velocities.map(|all| all.iter().map(|v| *v - moves).collect());
+        self.engine.write_air(local.as_deref(), velocities.as_deref(), air.volume)?;
         self.was_set = true;
         if self.last.step == 0 {
             // Before the first step this is the air that the run starts from.
@@ -239,7 +242,7 @@ impl Simulation {
                 start.positions = local.into_iter().map(|x| x + min).collect();
             }
             if let Some(velocities) = velocities {
-                start.velocities = velocities.to_vec();
+                start.velocities = velocities;
             }
         }
         Ok(())

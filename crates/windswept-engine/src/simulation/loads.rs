@@ -94,7 +94,7 @@ impl Simulation {
     pub fn clamps(&self) -> Result<Vec<(DVec3, DQuat)>, RunError> {
         let strands = self.engine.read(&self.engine.state().strand_history)?;
         let clamp = |strand: &StrandHistory| {
-            let position = DVec3::from_array(strand.root.position.map(f64::from)) + self.initial.origin;
+            let position = DVec3::from_array(strand.root.position.map(f64::from)) + self.origin();
             (position, DQuat::from_array(strand.root.frame.map(f64::from)))
         };
         Ok(strands.iter().map(clamp).collect())

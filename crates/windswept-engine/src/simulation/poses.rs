@@ -85,10 +85,10 @@ impl Poses {
     pub(super) fn bring(&mut self, engine: &Engine, step: u32) -> Result<(), GpuError> {
         let mut moved = false;
         for own in &mut self.bodies {
-            let (now, last) = (own.key_after(step + 1), own.frames.len() - 1);
-            for key in now..=(now + 1).min(last.max(now)) {
-                let (pose, index) = (own.frames.pose(key.min(last)).clone(), key.min(last));
-                let half = (key + own.half as usize) % 2;
+            let now = own.pose_at(own.key_after(step + 1));
+            for index in now..own.frames.len().min(now + 2) {
+                let pose = own.frames.pose(index).clone();
+                let half = (index + own.half as usize) % 2;
                 let is_there = |held: &Option<Pose>| held.as_ref().is_some_and(|held| Arc::ptr_eq(held, &pose));
                 if !is_there(&own.held[half]) {
                     let baked =
@@ -97,12 +97,12 @@ impl Poses {
                     engine.write_distances(own.first + half * values.len(), &values)?;
                     own.held[half] = Some(pose.clone());
                 }
-                if !is_there(&own.bound[key % 2]) {
-                    let first = (key % 2) * self.bonds.bonds.len();
+                if !is_there(&own.bound[index % 2]) {
+                    let first = (index % 2) * self.bonds.bonds.len();
                     for (s, corners) in self.bonds.corners(own.body, &pose) {
                         self.corners[first + s] = corners;
                     }
-                    own.bound[key % 2] = Some(pose);
+                    own.bound[index % 2] = Some(pose);
                     moved = true;
                 }
             }
@@ -128,9 +128,14 @@ impl Deforming {
         self.keyframes.partition_point(begun).saturating_sub(1)
     }
 
+    /// The pose that the body leaves at a keyframe; the first without keyframes.
+    fn pose_at(&self, key: usize) -> usize {
+        self.keyframes.get(key).map_or(0, |key| key.pose as usize)
+    }
+
     fn steps_left(&self, step: u32) -> Option<u64> {
-        let next = self.key_after(step + 1) + 1;
-        let key = self.keyframes.get(next).filter(|_| next < self.frames.len())?;
+        let now = self.key_after(step + 1);
+        let key = self.keyframes.iter().skip(now).find(|key| key.pose as usize > self.pose_at(now))?;
         let begins = u64::from(key.step) + u64::from(key.fraction > 0.0);
         Some(begins.saturating_sub(u64::from(step) + 1).max(1))
     }

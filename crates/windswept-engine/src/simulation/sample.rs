@@ -51,7 +51,7 @@ impl Simulation {
         let unit = self.initial.air.volume * 315.0 / (64.0 * PI * radius.powi(9));
         let wind = DVec3::from_array(self.last.wind.map(f64::from));
         let sample = |place: &DVec3| {
-            let x = *place - self.initial.origin;
+            let x = *place - self.origin();
             let own = cell(x);
             let (mut sum, mut weights) = (DVec3::ZERO, 0.0);
             for (dx, dy, dz) in
@@ -66,7 +66,7 @@ impl Simulation {
                 }
             }
             let about_wind = if weights > 0.0 { sum / weights } else { DVec3::ZERO };
-            AirSample { velocity: wind + about_wind, density: air.rest_density * weights }
+            AirSample { velocity: self.frame_velocity() + wind + about_wind, density: air.rest_density * weights }
         };
         Ok(places.iter().map(sample).collect())
     }

@@ -13,6 +13,8 @@ use crate::{
 pub struct ForcingPlan {
     /// Whether the wind draws the air behind the faces that it enters through, and is held at what it is there.
     pub fringe: Decision,
+    /// Whether the frame goes with a body.
+    pub follows: Decision,
     /// Whether pins go with bodies.
     pub pins: Decision,
     /// Whether roots go with triangles of bodies that deform.
@@ -24,6 +26,7 @@ pub(super) fn plan(setup: &Setup<'_>) -> ForcingPlan {
     let on_body = setup.initial.pins.iter().any(|pin| pin.body.is_some());
     ForcingPlan {
         fringe: Decision::when(has_fringe, "air.fringe is 0"),
+        follows: Decision::when(setup.scene.followed().is_some(), "air.follows names no body"),
         pins: Decision::when(on_body, "no pin goes with a body"),
         bonds: Decision::when(setup.sizes().bonds > 0, "no hair is on a body that deforms"),
     }
@@ -33,11 +36,17 @@ pub(super) fn plan(setup: &Setup<'_>) -> ForcingPlan {
 pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
     r.stage("forcing");
     let (n, c, fringe_deficit) = (r.sizes(), &plan.conditions, r.state().fringe_deficit);
+    r.when(&plan.forcing.follows, |r| {
+        r.run(&forcing::FRAME, "the frame goes with a body", 1);
+    });
     record_wind(r, plan);
     record_bodies(r, plan);
     r.when(&c.hair, |r| {
         r.when(&c.recover, |r| {
             r.run(&forcing::RESET, "a strand that is not finite starts from rest", n.strands);
+        });
+        r.when(&plan.forcing.follows, |r| {
+            r.run(&forcing::CARRY, "hair keeps its velocity in the world", n.strands);
         });
         r.when(&plan.forcing.bonds, |r| {
             r.run(&forcing::BONDS, "roots go with triangles", n.strands);

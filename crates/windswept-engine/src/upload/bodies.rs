@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use windswept_scene::{CheckedScene, Frames, InitialState, Lattice, Solid};
+use glam::DVec3;
+use windswept_scene::{CheckedScene, Form, Frames, InitialState, Lattice, RoundBox, Solid};
 use windswept_shaders::common::body::{Body, Grid};
 
 use crate::upload::{
@@ -17,18 +18,25 @@ pub(crate) fn bodies(scene: &CheckedScene, initial: &InitialState, motions: &Mot
     let solids = scene.solids();
     let halves = halves.iter().copied().chain(std::iter::repeat(0));
     let each = scene.bodies.iter().zip(&motions.bodies).zip(halves).map(|((body, keyframes), half)| {
-        let round = body.shape.round();
-        let [start, end] = round.ends.map(|end| vec3(end - initial.origin));
-        let solid = body.shape.solid();
+        let (form, grid) = match body.shape.form() {
+            Form::Round(round) => (round, Grid::default()),
+            Form::Mesh(solid) => {
+                let (center, rotation, none) = (solid.origin(), solid.rotation(), DVec3::ZERO);
+                let grid = if solid.frames().is_none() { grid(solid, &solids) } else { Grid::default() };
+                (RoundBox { center, rotation, low: none, high: none, radius: 0.0 }, grid)
+            }
+        };
         Body {
-            start,
-            radius: body.shape.inradius() as f32,
-            end,
+            center: vec3(form.center - initial.origin),
+            radius: form.radius as f32,
+            low: vec3(form.low),
+            inradius: body.shape.inradius() as f32,
+            high: vec3(form.high),
             friction: body.friction as f32,
+            rotation: quat(form.rotation),
+            grid,
             first_keyframe: keyframes.start,
             keyframes: keyframes.len() as u32,
-            rotation: quat(solid.map_or_else(Default::default, Solid::rotation)),
-            grid: solid.filter(|own| own.frames().is_none()).map_or_else(Grid::default, |solid| grid(solid, &solids)),
             half,
             ..Body::default()
         }

@@ -5,7 +5,8 @@ use std::f64::consts::PI;
 use glam::dcamera::lh::view::look_to_mat4;
 use glam::dcamera::rh::{proj, view::look_at_mat4};
 use glam::{DMat4, DVec3, Vec3, Vec4};
-use windswept_scene::{Band, Camera, CheckedAir, CheckedBody, CheckedScene, Fibre, Hair, LookAt, Model, Pose};
+use windswept_engine::HairFrame;
+use windswept_scene::{Band, Camera, CheckedAir, CheckedBody, CheckedScene, Curves, Fibre, Hair, LookAt, Model, Pose};
 use windswept_shaders::pictures::common::{self as shader, FINE, GRID, Light};
 
 use super::patch::{ends, patches};
@@ -33,15 +34,24 @@ pub struct View {
 }
 
 impl View {
-    /// The scene's camera, the same for every frame of a film; where the scene does not say where it stands, one that
-    /// sees where these strands may go from their start.
+    /// The scene's cameras as pictures of a film are taken with them, whose hair is `start` at first; `groom` is a
+    /// caller's own.
+    ///
+    /// # Errors
+    /// [`ExportError::Picture`] as [`Self::new`] and [`Followers::with_groom`].
+    pub fn all(scene: &CheckedScene, start: &HairFrame, groom: Option<&Curves>) -> Result<Vec<Self>, ExportError> {
+        let followers = Followers::about(scene, start, groom, scene.picture.hairs)?;
+        scene.cameras.iter().map(|camera| Self::new(scene, camera, &followers)).collect()
+    }
+
+    /// A camera in a scene, the same for every frame of a film; where it does not say where it stands, it sees where
+    /// these strands may go from their start.
     ///
     /// # Errors
     /// [`ExportError::Picture`] when the camera stands where it looks.
-    pub fn new(scene: &CheckedScene, strands: &Followers) -> Result<Self, ExportError> {
-        let camera = &scene.camera;
+    pub fn new(scene: &CheckedScene, camera: &Camera, strands: &Followers) -> Result<Self, ExportError> {
         let Some(LookAt { eye, target }) = camera.look_at else {
-            return Ok(Self::automatic(scene, strands));
+            return Ok(Self::automatic(scene, camera, strands));
         };
         let (eye, target) = (DVec3::from_array(eye), DVec3::from_array(target));
         if eye.distance(target) < 1e-9 {
@@ -52,7 +62,7 @@ impl View {
         Ok(Self { eye, target, fov: camera.fov, width: camera.width, height: camera.height })
     }
 
-    fn automatic(scene: &CheckedScene, strands: &Followers) -> Self {
+    fn automatic(scene: &CheckedScene, camera: &Camera, strands: &Followers) -> Self {
         // Wind from left to right; without wind the way the hair points, where most of it points one way.
         let wind = scene.air.as_ref().map_or(DVec3::ZERO, |air| DVec3::from_array(air.wind));
         let (sum, count) = strands.strands().fold((DVec3::ZERO, 0.0), |(sum, count), strand| {
@@ -64,7 +74,7 @@ impl View {
         let right = level(wind).try_normalize().or(points_to.map(DVec3::normalize)).unwrap_or(DVec3::X);
         let side = right.cross(DVec3::Y);
         // Half way toward a three-quarter view, and 12° above.
-        let mut fit = Fit::new((side + 0.42 * right + 0.26 * DVec3::Y).normalize(), &scene.camera);
+        let mut fit = Fit::new((side + 0.42 * right + 0.26 * DVec3::Y).normalize(), camera);
         let table = scene.air.as_ref().map_or(vec![(0.0, [0.0; 3])], CheckedAir::wind_table);
         let lasts = |k: usize| table.get(k + 1).map(|next| next.0 - table[k].0);
         let winds: Vec<_> = (0..table.len()).map(|k| (DVec3::from_array(table[k].1), lasts(k))).collect();
@@ -75,7 +85,14 @@ impl View {
         for x in patch_ends(scene).chain(scene.bodies.iter().flat_map(where_body_goes)) {
             fit.add(x, 0.0);
         }
-        fit.view(&scene.camera)
+        fit.view(camera)
+    }
+
+    /// Unit vectors to the picture's right and top, and from what the camera looks at to the camera.
+    pub(crate) fn axes(&self) -> [DVec3; 3] {
+        let back = (self.eye - self.target).normalize();
+        let right = self.up().cross(back).normalize();
+        [right, back.cross(right), back]
     }
 
     fn up(&self) -> DVec3 {
@@ -103,9 +120,8 @@ impl View {
 
     /// The uniform buffer of the shaders, for hair within this box \[m\].
     pub(super) fn uniform(&self, low: DVec3, high: DVec3, hairs: u32, samples: u32) -> shader::View {
-        let forward = (self.target - self.eye).normalize();
-        let right = forward.cross(self.up()).normalize();
-        let up = right.cross(forward);
+        let [right, up, back] = self.axes();
+        let forward = -back;
         let drawn = [FINE * self.width, FINE * self.height].map(f64::from);
         let pixel = 2.0 * (0.5 * self.fov.to_radians()).tan() / drawn[1];
         let far: Vec<f64> = corners(low, high).iter().map(|x| x.distance(self.eye)).collect();

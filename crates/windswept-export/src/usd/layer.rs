@@ -1,4 +1,4 @@
-//! A layer of a film: a file that grows at its end, and that can be read at any moment.
+//! A layer of a film: a file that grows at its end, and that can be read at any moment; and the stage of the layers.
 
 use std::fs::{self, File};
 use std::io::{BufRead, BufReader, Read, Seek, SeekFrom, Write as _};
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use windswept_scene::remove;
 
-use super::text::LAST;
+use super::text::{LAST, ROOM};
 use crate::error::ExportError;
 use crate::folder::refuse_link;
 
@@ -24,19 +24,16 @@ pub(super) struct Layer {
     pub(super) file: File,
     /// Place of its [`END`].
     end: u64,
-    /// Place of the last time code in its metadata.
-    pub(super) last: u64,
 }
 
 impl Layer {
     pub(super) fn create(path: PathBuf, mut text: String) -> Result<Self, ExportError> {
-        let last = last_code(&text);
         close(&mut text, 0);
         let end = (text.len() - END.len()) as u64;
         let written = remove(&path).and_then(|()| fs::write(&path, text));
         written.map_err(|e| failed(&path, "could not be created", &e))?;
         let file = opened(&path)?;
-        Ok(Self { path, file, end, last })
+        Ok(Self { path, file, end })
     }
 
     /// The layer of this prim, to go on behind its samples of these time codes. It is as it was until [`Self::cut`].
@@ -55,12 +52,11 @@ impl Layer {
             }
             head += &String::from_utf8_lossy(&lines.line);
         }
-        let last = last_code(&head);
         let mut end = lines.at - (head.len() - head.trim_end().len()) as u64;
         for (k, code) in codes.iter().enumerate() {
             let from = lines.at;
             let there = lines.next().map_err(unread)?;
-            let sample = lines.line.trim_ascii_start().starts_with(format!("{code}: [").as_bytes());
+            let sample = lines.line.trim_ascii_start().starts_with(format!("{code}: ").as_bytes());
             // Behind the last sample of all stands an end, and perhaps one that was not finished.
             let comment = lines.line.iter().position(|&byte| byte == b'#');
             let length = match comment {
@@ -72,7 +68,7 @@ impl Layer {
                 _ => return Err(invalid(format!("expected a frame at time code {code} as number {k}"))),
             }
         }
-        Ok(Self { path, file, end, last })
+        Ok(Self { path, file, end })
     }
 
     /// Drops what is behind the last of its samples.
@@ -92,10 +88,49 @@ impl Layer {
         Ok(())
     }
 
-    pub(super) fn write_at(&mut self, place: u64, bytes: &[u8]) -> Result<(), ExportError> {
-        let written = self.file.seek(SeekFrom::Start(place)).and_then(|_| self.file.write_all(bytes));
-        written.map_err(|e| failed(&self.path, "could not be written", &e))
+    fn write_at(&mut self, place: u64, bytes: &[u8]) -> Result<(), ExportError> {
+        write_at(&self.path, &mut self.file, place, bytes)
     }
+}
+
+/// The file that the layers of a film are composed by. It says how long the film is.
+#[derive(Debug)]
+pub(super) struct Stage {
+    pub(super) path: PathBuf,
+    file: File,
+    /// Place of the last time code.
+    last: u64,
+}
+
+impl Stage {
+    pub(super) fn create(path: PathBuf, text: String) -> Result<Self, ExportError> {
+        let written = remove(&path).and_then(|()| fs::write(&path, text));
+        written.map_err(|e| failed(&path, "could not be created", &e))?;
+        Self::open(path)
+    }
+
+    pub(super) fn open(path: PathBuf) -> Result<Self, ExportError> {
+        refuse_link(&path)?;
+        let file = opened(&path)?;
+        let mut lines = Lines { reader: BufReader::new(&file), at: 0, line: Vec::new() };
+        while lines.next().map_err(|e| failed(&path, "could not be read", &e))? && lines.at < MAX_META {
+            if let Some(behind) = lines.line.trim_ascii_start().strip_prefix(LAST.as_bytes()) {
+                let last = lines.at - behind.len() as u64;
+                return Ok(Self { path, file, last });
+            }
+        }
+        Err(ExportError::Frame { path, problem: "is no film of windswept".into() })
+    }
+
+    /// Says the time code of the last frame.
+    pub(super) fn say_last(&mut self, last: f64) -> Result<(), ExportError> {
+        write_at(&self.path, &mut self.file, self.last, format!("{last:<ROOM$}").as_bytes())
+    }
+}
+
+fn write_at(path: &Path, file: &mut File, place: u64, bytes: &[u8]) -> Result<(), ExportError> {
+    let written = file.seek(SeekFrom::Start(place)).and_then(|_| file.write_all(bytes));
+    written.map_err(|e| failed(path, "could not be written", &e))
 }
 
 /// Bytes of a layer before its prim, at most: mostly the scene.
@@ -129,11 +164,6 @@ fn close(text: &mut String, from: u64) {
         text.push(' ');
     }
     *text += END;
-}
-
-/// Place of the last time code in a layer's text; behind it is room.
-fn last_code(text: &str) -> u64 {
-    text.find(LAST).map_or(0, |at| (at + LAST.len()) as u64)
 }
 
 pub(super) fn failed(path: &Path, doing: &'static str, error: &std::io::Error) -> ExportError {

@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use pyo3::prelude::*;
-use windswept_export::{Followers, Renderer};
+use pyo3::{exceptions::PyValueError, prelude::*};
+use windswept_export::{Followers, Renderer, image::RgbaImage};
+use windswept_scene::{Camera, CheckedScene, LookAt};
 
-use super::{Picture, Simulation, held::lock};
-use crate::errors::{export_error, of_value};
+use super::{Simulation, held::lock};
+use crate::errors::{export_error, of_run, of_value};
 
 impl Simulation {
     /// Names and values that describe it in a line.
@@ -38,25 +39,58 @@ impl Simulation {
         Ok(followers.insert(Arc::new(made)).clone())
     }
 
-    /// Made once per size: roots near each other at the start share the hairs between them.
-    pub(super) fn renderer(&self, engine: &windswept::Simulation, size: Picture) -> PyResult<Arc<Renderer>> {
+    /// A picture of the state now. The renderer is made once: roots near each other at the start share the hairs between
+    /// them.
+    pub(super) fn picture(&self, engine: &mut windswept::Simulation, camera: &Camera) -> PyResult<RgbaImage> {
+        let frame = windswept_export::frame(engine).map_err(|error| of_run(&error))?;
         let mut renderer = lock(&self.renderer);
-        if let Some((of, renderer)) = &*renderer
-            && *of == size
-        {
-            return Ok(renderer.clone());
-        }
-        let scene = engine.scene().assuming(|_, values| {
-            let camera = &mut values.camera;
-            camera.width = size.0.unwrap_or(camera.width);
-            camera.height = size.1.unwrap_or(camera.height);
-        });
-        let start = engine.hair_at_start();
-        let made = Renderer::with_groom(engine.engine().gpu(), &scene, &start, engine.initial().followers.as_ref());
-        let made = made.map_err(|error| export_error(&error))?;
-        let made = Arc::new(made);
-        *renderer = Some((size, made.clone()));
-        Ok(made)
+        let made = match renderer.take() {
+            Some(made) => Ok(made),
+            None => {
+                let (gpu, start) = (engine.engine().gpu(), engine.hair_at_start());
+                Renderer::with_groom(gpu, engine.scene(), &start, engine.initial().followers.as_ref())
+            }
+        };
+        let renderer = renderer.insert(made.map_err(|error| export_error(&error))?);
+        let drawn = renderer.look_through(camera).and_then(|()| renderer.render(&frame));
+        drawn.map_err(|error| export_error(&error))
+    }
+}
+
+/// Where a picture is taken from, of the arguments of `Simulation.render`.
+pub(super) struct Shot {
+    pub(super) camera: Option<String>,
+    pub(super) eye: Option<[f64; 3]>,
+    pub(super) target: Option<[f64; 3]>,
+    pub(super) fov: Option<f64>,
+    pub(super) size: [Option<u32>; 2],
+}
+
+impl Shot {
+    /// The scene's camera of that name, or its first, with what is given in its place.
+    pub(super) fn camera(self, scene: &CheckedScene) -> PyResult<Camera> {
+        let named = |camera: &&Camera| self.camera.as_ref().is_none_or(|name| camera.name == *name);
+        let Some(camera) = scene.cameras.iter().find(named) else {
+            let names: Vec<&str> = scene.cameras.iter().map(|camera| &*camera.name).collect();
+            let found = self.camera.unwrap_or_default();
+            return Err(of_value("camera", format!("expected one of {}, found {found:?}", names.join(", "))));
+        };
+        let known = camera.look_at;
+        let look_at = match (self.eye.or(known.map(|at| at.eye)), self.target.or(known.map(|at| at.target))) {
+            (Some(eye), Some(target)) => Some(LookAt { eye, target }),
+            (None, None) => None,
+            (Some(_), None) => return Err(of_value("target", "expected one beside eye: the scene's camera has none")),
+            (None, Some(_)) => return Err(of_value("eye", "expected one beside target: the scene's camera has none")),
+        };
+        let camera = Camera {
+            look_at,
+            fov: self.fov.unwrap_or(camera.fov),
+            width: self.size[0].unwrap_or(camera.width),
+            height: self.size[1].unwrap_or(camera.height),
+            ..camera.clone()
+        };
+        camera.valid().map_err(|fault| PyValueError::new_err(fault.to_string()))?;
+        Ok(camera)
     }
 }
 

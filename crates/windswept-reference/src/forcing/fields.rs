@@ -86,6 +86,8 @@ fn blown(field: &Field, strength: f64, place: DVec3) -> (DVec3, f64) {
 /// |S_f|/uptake_f at which they draw air to both \[1/s\].
 #[must_use]
 pub fn force_field_velocity(p: &Parameters, steps: u64, place: DVec3) -> (DVec3, f64) {
+    // Fields stand still in the world.
+    let place = place + super::frame(p, steps + 1).0;
     let all = p.fields.iter().map(|field| blown(field, field_strengths(p, field, steps + 1), place));
     all.fold((DVec3::ZERO, 0.0), |sum, (wind, rate)| (sum.0 + wind, sum.1 + rate))
 }

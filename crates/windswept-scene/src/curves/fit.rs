@@ -19,6 +19,8 @@ use crate::{
 
 /// Radii that a hair may have \[m\]: a file's that are not, on average, were meant for a renderer.
 const RADII: RangeInclusive<f64> = 15e-6..=150e-6;
+/// Part of the median length of a file's strands below which a strand is told: it is hardly meant to be one.
+const MUCH_SHORTER: f64 = 0.02;
 /// Lengths of the median strand of a file that nothing is said of, and those with which another unit is likely \[m\].
 const LENGTHS: RangeInclusive<f64> = 1e-3..=2.0;
 const LIKELY: RangeInclusive<f64> = 5e-3..=1.0;
@@ -36,6 +38,8 @@ pub struct Dropped {
     pub no_length: usize,
     /// Strands with two successive points in one place.
     pub doubled: usize,
+    /// Strands that padding was cut off, which are not dropped for it.
+    pub padded: usize,
 }
 
 impl Dropped {
@@ -132,7 +136,39 @@ impl Curves {
         all
     }
 
-    /// The curves that can be simulated, and how many cannot.
+    /// The curves without the points that fill an array behind their tips: not-a-numbers, repeats of the tip, or zeros
+    /// where a strand ends in two or more; and how many curves had some. A curve of which less than a segment would be
+    /// left stays as it is.
+    #[must_use]
+    pub fn without_padding(self) -> (Self, usize) {
+        let is_zero = |x: &[f64; 3]| *x == [0.0; 3];
+        let last = |s: usize, n: usize| &self.strand(s)[..n];
+        let ends_in_zeros = |s: usize| matches!(self.strand(s), [_, .., a, b] if is_zero(a) && is_zero(b));
+        let zeros = (0..self.len()).any(ends_in_zeros);
+        let count = |s: usize| {
+            let mut n = self.range(s).len();
+            let fills = |strand: &[[f64; 3]]| match strand {
+                [.., a, b] => a == b || b.iter().all(|x| x.is_nan()) || (zeros && is_zero(b)),
+                _ => false,
+            };
+            while fills(last(s, n)) {
+                n -= 1;
+            }
+            if n < 2 { self.range(s).len() } else { n }
+        };
+        let counts: Vec<usize> = (0..self.len()).map(count).collect();
+        let padded = counts.iter().enumerate().filter(|(s, n)| **n < self.range(*s).len()).count();
+        if padded == 0 {
+            return (self, 0);
+        }
+        let of = |s: usize| self.range(s).take(counts[s]);
+        let points = (0..self.len()).flat_map(of).map(|i| self.points[i]).collect();
+        let radius = (0..self.len()).flat_map(of).filter_map(|i| self.radius.get(i).copied()).collect();
+        let offsets = Self::of(Vec::new(), counts.iter().map(|n| *n as u32)).offsets;
+        (Self { points, radius, offsets, ..self }, padded)
+    }
+
+    /// The curves that can be simulated, without padding, and how many cannot.
     #[must_use]
     pub fn fit(self) -> (Self, Dropped) {
         let mut dropped = Dropped::default();
@@ -142,6 +178,13 @@ impl Curves {
 
     /// The curves that can be simulated, or can be once their points are placed anew; the others are counted.
     fn kept(self, anew: bool, dropped: &mut Dropped) -> Self {
+        let (own, padded) = self.without_padding();
+        dropped.padded += padded;
+        own.whole(anew, dropped)
+    }
+
+    /// As [`Self::kept`], of curves without padding.
+    fn whole(self, anew: bool, dropped: &mut Dropped) -> Self {
         let mut kept = Vec::with_capacity(self.len());
         for s in 0..self.len() {
             match invalid_value(self.strand(s), anew, dropped) {
@@ -305,8 +348,22 @@ impl GroomFile {
         let mut notes = self.notes_of(&loaded, true);
         let (curves, more) = self.fit(loaded, true, seed).map_err(|error| error.of(&self.file, ""))?;
         notes.extend(more);
-        let mut sorted: Vec<f64> = (0..curves.len()).map(|s| lengths(curves.strand(s)).sum()).collect();
+        let each: Vec<f64> = (0..curves.len()).map(|s| lengths(curves.strand(s)).sum()).collect();
+        let mut sorted = each.clone();
         sorted.sort_by(f64::total_cmp);
+        let typical = sorted.get(sorted.len() / 2).copied().unwrap_or_default();
+        let short: Vec<usize> = (0..each.len()).filter(|s| each[*s] < MUCH_SHORTER * typical).collect();
+        if let Some(&first) = short.first() {
+            notes.push(format!(
+                "{} of the {} strands of {} have less than a fiftieth of the length that half of them have, {typical:.3e} m: the first \
+                 is that with id {}, {:.3e} m",
+                short.len(),
+                each.len(),
+                self.file,
+                curves.ids[first],
+                each[first]
+            ));
+        }
         if let Some(median) = sorted.get(sorted.len() / 2).filter(|median| !LENGTHS.contains(median)) {
             notes.push(format!(
                 "half of the strands of {} are at least {}",
@@ -395,12 +452,18 @@ impl GroomFile {
                 }
             }
             // A strand that turns back on itself may have points in one place even so.
-            curves = curves.resampled(points).kept(false, &mut dropped);
+            curves = curves.resampled(points).whole(false, &mut dropped);
             curves.check_left(total, marked && all, &dropped)?;
         }
         let mut notes = Vec::new();
         if let Some(asked) = self.strands.filter(|&asked| asked as usize > there) {
             notes.push(format!("{asked} strands are asked for, and {} has {there} to choose from", self.file));
+        }
+        if dropped.padded > 0 {
+            notes.push(format!(
+                "{} of the {total} strands of {} had padding behind their tips, which is cut off",
+                dropped.padded, self.file
+            ));
         }
         if dropped.total() > 0 {
             notes.push(format!("{} of the {total} strands of {} are left out: {dropped}", dropped.total(), self.file));

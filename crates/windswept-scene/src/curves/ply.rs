@@ -1,5 +1,6 @@
 //! Polygon files, `.ply`: points as the element `vertex`, and strands as the element `strand` with `nsegs` each, as
-//! hairutil has it. Without it, as GaussianHaircut and NeuralHaircut write them, strands have equally many points.
+//! hairutil has it, or as the chains that the element `edge` makes, as MeshLab and Blender write lines. Without either, as
+//! GaussianHaircut and NeuralHaircut write them, strands have equally many points.
 //!
 //! Source: Greg Turk's "The PLY polygon file format"; hairutil, `src/io/ply.cpp`.
 
@@ -60,6 +61,20 @@ struct Face {
     vertex_indices: Vec<u32>,
 }
 
+/// A row of the element `edge`.
+#[derive(Deserialize)]
+struct Edge {
+    vertex1: u32,
+    vertex2: u32,
+}
+
+/// A row of the element `tristrips`: indices of strips, each of which ends in -1.
+#[derive(Deserialize, Default)]
+#[serde(default)]
+struct Strips {
+    vertex_indices: Vec<i64>,
+}
+
 /// A row of another element.
 #[derive(Deserialize)]
 struct Other {}
@@ -106,7 +121,9 @@ impl<'de> Visitor<'de> for Vertices {
 struct Found {
     vertices: Vertices,
     strands: Option<Vec<Strand>>,
+    edges: Option<Vec<Edge>>,
     faces: Vec<Face>,
+    strips: Vec<Strips>,
     /// Byte at which the header ends.
     at: usize,
 }
@@ -182,6 +199,10 @@ fn elements(header: &PlyHeader, rest: impl BufRead) -> Result<Found, String> {
         let read = match &*element.name {
             "vertex" => reader.next_element().map(|all| found.vertices = all),
             "strand" => reader.next_element().map(|all| found.strands = Some(all)),
+            "edge" if ["vertex1", "vertex2"].iter().all(|name| element.has_property(name)) => {
+                reader.next_element().map(|all| found.edges = Some(all))
+            }
+            "tristrips" => reader.next_element().map(|all| found.strips = all),
             "face" => reader.next_element().map(|all| found.faces = all),
             _ => reader.next_element::<Vec<Other>>().map(drop),
         };
@@ -207,10 +228,26 @@ pub(crate) struct Polygons {
     pub(crate) places: Vec<[f64; 2]>,
 }
 
-/// The polygons of the element `face`.
+/// The triangles of strips, of which every second one turns the other way; those with a corner twice join two parts.
+fn of_strips(strips: Vec<Strips>) -> impl Iterator<Item = Vec<u32>> {
+    let index = |i: i64| u32::try_from(i).unwrap_or(u32::MAX);
+    strips.into_iter().flat_map(move |row| {
+        let parts = row.vertex_indices.split(|i| *i == -1).flat_map(|strip| {
+            strip.windows(3).enumerate().map(|(k, ends)| match k % 2 {
+                0 => [ends[0], ends[1], ends[2]],
+                _ => [ends[1], ends[0], ends[2]],
+            })
+        });
+        let whole = parts.filter(|[a, b, c]| a != b && b != c && c != a);
+        whole.map(|corners| corners.map(index).to_vec()).collect::<Vec<_>>()
+    })
+}
+
+/// The polygons of the elements `face` and `tristrips`.
 pub(crate) fn polygons(bytes: &[u8]) -> Result<Polygons, SceneError> {
-    let Found { vertices, faces, at, .. } = found(bytes)?;
-    let corners: Vec<_> = faces.into_iter().map(|face| face.vertex_indices).filter(|face| !face.is_empty()).collect();
+    let Found { vertices, faces, strips, at, .. } = found(bytes)?;
+    let faces = faces.into_iter().map(|face| face.vertex_indices).filter(|face| !face.is_empty());
+    let corners: Vec<_> = faces.chain(of_strips(strips)).collect();
     if corners.is_empty() {
         return Err(fault_at(at, "expected an element face with a list vertex_indices"));
     }
@@ -218,11 +255,17 @@ pub(crate) fn polygons(bytes: &[u8]) -> Result<Polygons, SceneError> {
 }
 
 pub(super) fn read(bytes: &[u8], points_per_strand: Option<u32>) -> Result<Curves, SceneError> {
-    let Found { vertices: Vertices { points, thickness, .. }, strands, at, .. } = found(bytes)?;
-    let radius = thickness.iter().map(|thickness| 0.5 * thickness).collect();
-    let curves = match strands {
-        None => Curves::even(points, points_per_strand)?,
-        Some(strands) => {
+    let Found { vertices: Vertices { points, thickness, .. }, strands, edges, at, .. } = found(bytes)?;
+    let radius: Vec<f64> = thickness.iter().map(|thickness| 0.5 * thickness).collect();
+    let curves = match (strands, edges) {
+        (None, None) => Curves::even(points, points_per_strand)?,
+        (None, Some(edges)) => {
+            let (order, counts) = chains(count32(points.len())?, &edges).map_err(|words| fault_at(at, words))?;
+            let radius = order.iter().filter_map(|&i| radius.get(i as usize).copied()).collect();
+            let curves = Curves::of(order.iter().map(|&i| points[i as usize]).collect(), counts.into_iter());
+            return Ok(Curves { radius, ..curves });
+        }
+        (Some(strands), _) => {
             let sum: u64 = strands.iter().map(|strand| u64::from(strand.nsegs) + 1).sum();
             let found = count32(points.len())?;
             if sum != u64::from(found) {
@@ -233,6 +276,41 @@ pub(super) fn read(bytes: &[u8], points_per_strand: Option<u32>) -> Result<Curve
         }
     };
     Ok(Curves { radius, ..curves })
+}
+
+/// The points of strands, one strand after the other, and how many each has, by the edges of so many points. A strand
+/// begins at its end that is first in the file.
+fn chains(points: u32, edges: &[Edge]) -> Result<(Vec<u32>, Vec<u32>), String> {
+    let mut beside = vec![[None; 2]; points as usize];
+    for (row, &Edge { vertex1, vertex2 }) in edges.iter().enumerate() {
+        for (from, to) in [(vertex1, vertex2), (vertex2, vertex1)] {
+            let own = beside.get_mut(from as usize);
+            let own = own.ok_or_else(|| format!("edge {row}: expected vertices below {points}, found {from}"))?;
+            let Some(free) = own.iter_mut().find(|other| other.is_none()) else {
+                return Err(format!(
+                    "edge {row}: expected strands, which do not branch, found a third edge at vertex {from}"
+                ));
+            };
+            *free = Some(to);
+        }
+    }
+    let (mut order, mut counts, mut seen) = (Vec::new(), Vec::new(), vec![false; points as usize]);
+    for root in 0..points {
+        if seen[root as usize] || beside[root as usize][1].is_some() {
+            continue;
+        }
+        let (first, mut at) = (order.len(), Some(root));
+        while let Some(point) = at {
+            seen[point as usize] = true;
+            order.push(point);
+            at = beside[point as usize].into_iter().flatten().find(|next| !seen[*next as usize]);
+        }
+        counts.push((order.len() - first) as u32);
+    }
+    match seen.iter().position(|seen| !seen) {
+        Some(point) => Err(format!("expected strands with two ends, found a ring of edges through vertex {point}")),
+        None => Ok((order, counts)),
+    }
 }
 
 pub(super) fn write(curves: &Curves) -> Result<Vec<u8>, SceneError> {

@@ -7,7 +7,7 @@ use crate::{
     faults::At,
     keys::{
         Fallback::{Derived, Required, Value},
-        Kind::{Count, Fraction, Length, NonNegative, Positive, Table, Tables, Vector},
+        Kind::{Count, Fraction, Length, NonNegative, Positive, Table, Tables, Text, Vector},
     },
     limits::{MAX_AIR_PARTICLES, MAX_BOX_CELLS, MIN_AIR_PARTICLES, MIN_BOX_SIDE, MIN_KERNEL_RADIUS},
     scene::{FluidSolver, Method, Model, Scene},
@@ -59,6 +59,9 @@ table! {
         });
         /// Seed that draws jitter and inflow.
         seed: u64 = Count(0, u32::MAX), "", Derived("seed") => value(|scene| scene.seed);
+        /// Name of a body whose translation the box goes with: what is not held feels it as a wind against the motion. Frames and
+        /// files are in the world.
+        follows: Option<String> = Text, "", Derived("the box stands still");
         /// Turbulence that enters with the wind.
         inflow: Option<Inflow> = Table, "", Derived("that of turbulence.scale and intensity, unless turbulence.inflow = false");
     }
@@ -220,13 +223,22 @@ pub(crate) fn check_size(bounds: &Bounds, volume: f64, radius: f64) -> Result<()
     if count < least {
         return Err((
             "box",
-            format!("would hold {count:.3} particles with this air.spacing; expected at least {least}"),
+            format!(
+                "would hold {} particles with this air.spacing; expected at least {least}, with a spacing of at most {} m, or a box of \
+                 other units",
+                rounded(count),
+                rounded((count * volume / least).cbrt())
+            ),
         ));
     }
     if count > f64::from(most) {
         return Err((
             "box",
-            format!("would hold {count:.3e} particles with this air.spacing; expected at most {most}"),
+            format!(
+                "would hold {count:.3e} particles with this air.spacing; expected at most {most}, with a spacing of at least {} m, or a \
+                 box of other units",
+                rounded((count * volume / f64::from(most)).cbrt())
+            ),
         ));
     }
     let cells: f64 = (0..3).map(|axis| (side(axis) / radius).floor()).product();

@@ -14,6 +14,7 @@ use crate::{
     limits::{MAX_HAIR_POINTS, MAX_POINTS_OF_A_STRAND},
     motion::Motion,
     pins::Pin,
+    profile::Profile,
     scene::Roots,
     strands::End,
 };
@@ -34,6 +35,11 @@ table! {
         source as "": HairSource = Table, "", Derived("");
         /// Fibres of the strands.
         fibre as "": Fibre = Table, "", Derived("");
+        /// Factor of the stiffness to bend and twist along the strands, linear between its pairs: stiffer roots are
+        /// \[\[0, 4\], \[0.3, 1\]\].
+        stiffness: Option<Profile> = Kind::Profile, "", Derived("1 from root to tip");
+        /// Locks that the hairs gather to which follow the strands, in pictures and films.
+        clump: Option<Clump> = Table, "", Derived("they do not gather");
         /// Coulomb's coefficient of friction of the strands on other strands, of a pair the smaller one; two-way only.
         friction: f64 = NonNegative, "", Value(FRICTION);
         /// Hold of the roots: in place and direction, in place, not at all.
@@ -206,6 +212,20 @@ table! {
     }
 }
 
+table! {
+    /// Locks: some strands are their centres, and hairs that follow are drawn to the nearest of them.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct Clump {
+        /// Distance from each centre's root to the next.
+        size: f64 = Length, "m", Required;
+        /// Part of the way to its centre that a hair's tip is drawn; its root stays, and between them the part grows with
+        /// the length.
+        strength: f64 = Kind::Within(0.0, 1.0), "", Value(0.8);
+        /// Part of the strength that hairs go without at most, drawn at random.
+        noise: f64 = Fraction, "", Value(0.0);
+    }
+}
+
 impl Hair {
     /// Name of a group that says none.
     pub(crate) const NAME: &str = "hair";
@@ -267,8 +287,9 @@ impl Hair {
     fn of(source: HairSource) -> Self {
         let (root, tip) = (End::Clamped, End::Free);
         let (name, fibre, motion) = (Self::NAME.to_owned(), Fibre::default(), Motion::default());
-        let pins = Vec::new();
-        Self { name, source, fibre, friction: FRICTION, root, tip, seed: None, body: None, motion, pins }
+        let (stiffness, clump, seed, body, pins) = (None, None, None, None, Vec::new());
+        let friction = FRICTION;
+        Self { name, source, fibre, stiffness, clump, friction, root, tip, seed, body, motion, pins }
     }
 
     /// The point that the roots' motion turns about \[m\]: in a checked scene that of their body, if they have one, else

@@ -16,7 +16,7 @@ use super::{
     Triangles,
     tree::{Looks, Tree},
 };
-use crate::{error::SceneError, limits::MAX_GRID_VALUES};
+use crate::{error::SceneError, limits::MAX_GRID_VALUES, solid};
 
 /// Reach of distances that are measured from triangles \[spacings\]. Beyond it a node takes the point of the surface
 /// that is nearest to a node beside it: that is quicker, and the farther away the surface is, the less it matters which
@@ -153,12 +153,26 @@ pub struct DistanceGrid {
     pub values: Vec<f32>,
 }
 
+/// Cells of a grid along each side of a surface \[m\].
+fn cells(size: DVec3, margin: f64, spacing: f64) -> DVec3 {
+    ((size + 2.0 * margin) / spacing).ceil()
+}
+
 impl DistanceGrid {
     /// The default spacing for a surface in a box of these corners \[m\]: 2 mm, or so much less that its longest side
-    /// has 128 cells.
+    /// has 128 cells, or for a side of up to 2 m so much more, in tenths of a millimetre, that the grid of a mesh's
+    /// [`Solid`](crate::Solid) has at most [`MAX_GRID_VALUES`] nodes.
     #[must_use]
     pub fn spacing_for([low, high]: [DVec3; 2]) -> f64 {
-        SPACING.min((high - low).max_element() / CELLS)
+        let size = high - low;
+        let mut spacing = SPACING.min(size.max_element() / CELLS);
+        let fits = |spacing: f64| {
+            (cells(size, solid::MARGIN * spacing, spacing) + 1.0).element_product() <= MAX_GRID_VALUES as f64
+        };
+        while size.max_element() <= *solid::LIKELY.end() && !fits(spacing) {
+            spacing = (1e4 * spacing + 1.0).round() / 1e4;
+        }
+        spacing
     }
 
     /// The distances of a surface without holes ([`Triangles::closed`]) in metres, with nodes `spacing` \[m\] apart
@@ -176,7 +190,7 @@ impl DistanceGrid {
         }
         let [low, high] = surface.bounds().ok_or_else(|| SceneError::new("expected a triangle").at("surface", None))?;
         let margin = margin.max(MARGIN * spacing);
-        let cells = ((high - low + 2.0 * margin) / spacing).ceil();
+        let cells = cells(high - low, margin, spacing);
         let nodes = (cells + 1.0).element_product();
         if nodes.is_nan() || nodes > MAX_GRID_VALUES as f64 {
             let size = high - low;

@@ -1,0 +1,140 @@
+//! `air.follows`: the frame that goes with a body.
+#![allow(clippy::unwrap_used, missing_docs)]
+
+#[path = "support/mod.rs"]
+mod support;
+
+use glam::{DQuat, DVec3};
+use windswept::{Frame, Simulation};
+use windswept_scene::*;
+
+const SPEED: f64 = 2.0;
+const LENGTH: f64 = 0.12;
+
+fn start(scene: &Scene) -> Simulation {
+    Simulation::new(&support::gpu(), scene).unwrap()
+}
+
+fn vectors(rows: &[[f32; 3]]) -> Vec<DVec3> {
+    rows.iter().map(|x| DVec3::from_array(x.map(f64::from))).collect()
+}
+
+/// Positions after the run less a way, and velocities less a velocity.
+fn state(frame: &Frame, way: DVec3, velocity: DVec3) -> [Vec<DVec3>; 2] {
+    [
+        vectors(&frame.hair.positions).into_iter().map(|x| x - way).collect(),
+        vectors(&frame.hair.velocities).into_iter().map(|v| v - velocity).collect(),
+    ]
+}
+
+fn apart(a: &[DVec3], b: &[DVec3]) -> f64 {
+    assert_eq!(a.len(), b.len());
+    a.iter().zip(b).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max)
+}
+
+fn moved(time: f64, x: f64) -> Keyframe {
+    Keyframe { translation: [x, 0.0, 0.0], ..Keyframe::new(time) }
+}
+
+/// Hair on a ball, in a wind.
+fn tuft(model: Model, wind: f64) -> Scene {
+    let hair = Hair::drawn(30, 13, LENGTH, Roots::cap([0.06, 0.08, 0.04], 0.02).toward([0.0, 1.0, 0.0]));
+    let air = Air { ramp: 0.0, ..Air::filling([0.2, 0.18, 0.08]).wind([wind, 0.0, 0.0]) };
+    let mut scene = support::in_wind(1.38e-3, air, [Hair { body: Some("head".into()), ..hair }]);
+    scene.interaction.model = Some(model);
+    scene.bodies = vec![Body::sphere([0.06, 0.08, 0.04], 0.02).named("head")];
+    scene
+}
+
+/// A head that moves steadily in still air, and the box with it, equals one at rest in a wind.
+#[test]
+fn a_head_that_moves_equals_one_in_a_wind() {
+    for (model, bound) in [(Model::Drag, 1e-4), (Model::TwoWay, 2e-2)] {
+        let mut moves = tuft(model, 0.0);
+        moves.bodies[0].motion = [moved(0.0, 0.0), moved(10.0, -10.0 * SPEED)].into();
+        moves.air = moves.air.map(|air| Air { follows: Some("head".into()), ..air });
+        let mut rests = tuft(model, SPEED);
+        // Roots with keyframes, as in the other scene: rounding alone has two-way hair 2e-2 L elsewhere after 0.5 s.
+        rests.bodies[0].motion = [moved(0.0, 0.0)].into();
+        let (mut moves, mut rests) = (start(&moves), start(&rests));
+        let steps = (0.5 / moves.dt()).round() as u64;
+        moves.step(steps).unwrap();
+        rests.step(steps).unwrap();
+        let velocity = DVec3::new(-SPEED, 0.0, 0.0);
+        let [a, b] = [
+            state(&moves.frame().unwrap(), moves.time() * velocity, velocity),
+            state(&rests.frame().unwrap(), DVec3::ZERO, DVec3::ZERO),
+        ];
+        let tips = |x: &[DVec3]| x.iter().skip(12).step_by(13).copied().collect::<Vec<_>>();
+        let off = apart(&tips(&a[0]), &tips(&b[0]));
+        let swung = apart(&tips(&b[0]), &tips(&vectors(&rests.hair_at_start().positions)));
+        println!("{model:?}: tips off by {:.1e} L, of {:.2} L", off / LENGTH, swung / LENGTH);
+        assert!(off < bound * LENGTH && swung > 0.2 * LENGTH, "{model:?}: {off} m");
+    }
+}
+
+/// Hair feels the acceleration of its frame as a weight: on a head that starts at once it stays behind, and by keyframes
+/// and by a host alike it is where hair is whose head moves in a box at rest.
+#[test]
+fn hair_stays_behind_a_head_that_starts() {
+    let motion: Motion = [moved(0.05, 0.0), moved(0.12, 0.035), moved(0.2, 0.035)].into();
+    let scene = |follows: bool, motion: &Motion| {
+        let mut scene = tuft(Model::Drag, 0.0);
+        scene.bodies[0].motion = motion.clone();
+        scene.air = scene.air.map(|air| Air { follows: follows.then(|| "head".to_owned()), ..air });
+        scene.bodies.push(Body::sphere([0.1, 0.12, 0.04], 0.01).named("post"));
+        scene.forces = vec![Force {
+            name: "jet".into(),
+            radius: Some(0.05),
+            ..Force::jet([0.0, 0.16, 0.04], [1.0, 0.0, 0.0], 0.3, 1.0)
+        }];
+        start(&scene)
+    };
+    let (mut follows, mut rests) = (scene(true, &motion), scene(false, &motion));
+    let mut hosted = scene(true, &Motion::default());
+    for step in 1..=180_u32 {
+        follows.step(1).unwrap();
+        rests.step(1).unwrap();
+        hosted.set_body("head", motion.at(f64::from(step) * rests.dt()), None).unwrap();
+        hosted.step(1).unwrap();
+    }
+    let [a, b, c] = [&follows, &rests, &hosted].map(|run| state(&run.frame().unwrap(), DVec3::ZERO, DVec3::ZERO));
+    println!(
+        "positions off by {:.1e}, {:.1e} m, velocities by {:.1e}, {:.1e} m/s",
+        apart(&a[0], &b[0]),
+        apart(&c[0], &b[0]),
+        apart(&a[1], &b[1]),
+        apart(&c[1], &b[1])
+    );
+    for (frame, name) in [(&a, "keyframes"), (&c, "a host")] {
+        assert!(apart(&frame[0], &b[0]) < 1e-5 && apart(&frame[1], &b[1]) < 2e-3, "by {name}");
+    }
+    let poses = [&follows, &rests, &hosted].map(|run| run.frame().unwrap().bodies[0]);
+    assert!(poses.iter().all(|pose: &Pose| pose.translation.distance(poses[1].translation) < 1e-9));
+    assert!(poses.iter().all(|pose| pose.rotation == DQuat::IDENTITY));
+}
+
+/// The box goes with the body; a body that there is not is a fault.
+#[test]
+fn the_box_goes_along() {
+    let mut scene = tuft(Model::TwoWay, 0.0);
+    scene.bodies[0].motion = [moved(0.0, 0.0), moved(0.1, 0.5)].into();
+    scene.air = scene.air.map(|air| Air { follows: Some("head".into()), ..air });
+    let mut simulation = start(&scene);
+    simulation.step(30).unwrap();
+    let frame = simulation.frame().unwrap();
+    let way = frame.bodies[0].translation;
+    let (x, v) = (vectors(&frame.air.positions), vectors(&frame.air.velocities));
+    let inside = |x: &DVec3| {
+        (*x - way).cmpge(DVec3::splat(-1e-6)).all() && (*x - way).cmple(DVec3::new(0.20001, 0.18001, 0.08001)).all()
+    };
+    assert!(way.x > 0.2 && x.iter().all(inside), "{way}");
+    // Air was at rest in the world: most of it still is, nearly.
+    let mean = v.iter().sum::<DVec3>() / v.len() as f64;
+    assert!(mean.length() < 0.3, "{mean}");
+    let sample = simulation.sample_air(&[DVec3::new(0.17, 0.03, 0.04) + way]).unwrap()[0];
+    assert!(sample.velocity.length() < 1.0 && sample.density > 1.0, "{sample:?}");
+    let wrong = scene.air.map(|air| Air { follows: Some("haed".into()), ..air });
+    let said = Scene { air: wrong, ..tuft(Model::Drag, 0.0) }.check().unwrap_err().to_string();
+    assert!(said.contains("air.follows: expected the name of a body of the scene (head), found \"haed\""), "{said}");
+}
