@@ -11,7 +11,7 @@
 // step that settled with more than ALLOW left open: at rest the spring carries nothing, and the gap is 0 (augmented
 // Lagrangian; Hestenes 1969).
 import package::common::{
-    params::params, quaternion::turned_by, rod::RodPoint, body::{Placed, Surface, near},
+    params::params, rod::RodPoint, body::{Placed, Surface, near, swing},
     symmetric::{Symmetric, dyad, minus, plus}, articulated::Spring,
 };
 
@@ -83,9 +83,9 @@ struct RelativeMove {
 
 fn seen_from(body: Placed, place: Place) -> RelativeMove {
     let gap = place.start - body.center_before;
-    let turned = turned_by(body.turn, gap);
-    return RelativeMove(gap + turned,
-        (place.remainder + place.displacement - (body.center - body.center_before)) - turned);
+    let swung = swing(body, gap);
+    return RelativeMove(gap + swung,
+        (place.remainder + place.displacement - (body.center - body.center_before)) - swung);
 }
 
 fn place_of_point(point: RodPoint) -> Place {

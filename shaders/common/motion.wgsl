@@ -12,6 +12,9 @@ struct Keyframe {
     fraction: f32,         // rest of the keyframe's time, 0 to 1 [steps]
     turn: vec3f,           // rotation vector from this keyframe to the next, less than half a turn [rad]
     rate: f32,             // part of the way to the next keyframe that one step goes [1/steps]; 0 for the last
+    pose: u32,             // of a body that deforms: the pose that it leaves,
+    pose_part: f32,        // part of the way to the next pose,
+    pose_span: f32,        // and what the next keyframe adds to that
 }
 
 struct Pose {
@@ -30,10 +33,15 @@ fn moves(count: u32) -> bool {
     return KEYFRAMES && count > 0u;
 }
 
-// Pose after `steps` steps of the motion that has `count` keyframes from `first` on; a motion without any rests.
-fn pose_after(steps: u32, first: u32, count: u32) -> Pose {
-    if !moves(count) { return Pose(vec3f(0.0), vec4f(0.0, 0.0, 0.0, 1.0)); }
-    // The last keyframe that has begun, else the first.
+// Where a motion is: between a keyframe, or a pose, and the next.
+struct Phase {
+    index: u32,   // of keyframes, counted from the motion's first: the last that has begun, else the first
+    part: f32,    // of the way to the next
+}
+
+// Phase after `steps` steps of the motion that has `count` keyframes from `first` on.
+fn phase_after(steps: u32, first: u32, count: u32) -> Phase {
+    if !moves(count) { return Phase(0u, 0.0); }
     var low = first;
     var high = first + count;
     while high - low > 1u {
@@ -43,6 +51,24 @@ fn pose_after(steps: u32, first: u32, count: u32) -> Pose {
     }
     let key = keyframes[low];
     let since = select(0.0, f32(steps - key.step) - key.fraction, steps > key.step);
-    let part = min(since * key.rate, 1.0);
-    return Pose(key.translation + part * key.displacement, product(rotation(part * key.turn), key.rotation));
+    return Phase(low - first, min(since * key.rate, 1.0));
+}
+
+// Pose in a phase of the motion that has `count` keyframes from `first` on; a motion without any rests.
+fn pose_in(phase: Phase, first: u32, count: u32) -> Pose {
+    if !moves(count) { return Pose(vec3f(0.0), vec4f(0.0, 0.0, 0.0, 1.0)); }
+    let key = keyframes[first + phase.index];
+    return Pose(key.translation + phase.part * key.displacement,
+        product(rotation(phase.part * key.turn), key.rotation));
+}
+
+// Where a body that deforms is between its poses.
+fn shape_in(phase: Phase, first: u32, count: u32) -> Phase {
+    if !moves(count) { return Phase(0u, 0.0); }
+    let key = keyframes[first + phase.index];
+    return Phase(key.pose, key.pose_part + phase.part * key.pose_span);
+}
+
+fn pose_after(steps: u32, first: u32, count: u32) -> Pose {
+    return pose_in(phase_after(steps, first, count), first, count);
 }

@@ -32,6 +32,19 @@ fn matrix(q: vec4f) -> mat3x3f {
     return mat3x3f(rotate(q, vec3f(1.0, 0.0, 0.0)), rotate(q, vec3f(0.0, 1.0, 0.0)), tangent(q));
 }
 
+// The frame with these directors: from the largest of its four numbers (Shepperd 1978).
+fn frame_of(m: mat3x3f) -> vec4f {
+    let diagonal = vec3f(m[0].x, m[1].y, m[2].z);
+    let sums = vec4f(diagonal - diagonal.yzx - diagonal.zxy, diagonal.x + diagonal.y + diagonal.z);
+    let swaps = vec3f(m[1].z - m[2].y, m[2].x - m[0].z, m[0].y - m[1].x);
+    let pairs = vec3f(m[1].z + m[2].y, m[2].x + m[0].z, m[0].y + m[1].x);   // of y and z, of z and x, of x and y
+    let largest = max(max(sums.x, sums.y), max(sums.z, sums.w));
+    if largest == sums.w { return normalize(vec4f(swaps, 1.0 + largest)); }
+    if largest == sums.x { return normalize(vec4f(1.0 + largest, pairs.z, pairs.y, swaps.x)); }
+    if largest == sums.y { return normalize(vec4f(pairs.z, 1.0 + largest, pairs.x, swaps.y)); }
+    return normalize(vec4f(pairs.y, pairs.x, 1.0 + largest, swaps.z));
+}
+
 // The rotation by |turn| about `turn` [rad], half a turn at most: a longer one is cut to half a turn. The series stand
 // here because WGSL's own sin and cos may be off by 2^-11.
 fn rotation(turn: vec3f) -> vec4f {

@@ -1,6 +1,6 @@
 // Bodies move: where each is after the step, and how it got there.
 import package::common::{
-    dispatch::{invocation, WORKGROUP}, motion::pose_after, body::{Body, Placed, place}, status::{status, frozen},
+    dispatch::{invocation, WORKGROUP}, body::{Body, Placed, place}, status::{status, frozen},
 };
 
 @group(0) @binding(2) var<storage, read>       bodies: array<Body>;
@@ -10,8 +10,5 @@ import package::common::{
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = invocation(id, groups);
     if (i >= arrayLength(&bodies)) | frozen() { return; }
-    let body = bodies[i];
-    let before = pose_after(status.step, body.first_keyframe, body.keyframes);
-    let after = pose_after(status.step + 1u, body.first_keyframe, body.keyframes);
-    placed[i] = place(body, before, after);
+    placed[i] = place(bodies[i], status.step);
 }

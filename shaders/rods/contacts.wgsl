@@ -5,8 +5,8 @@
 // nearer to the root than d/RISE along the strand are *embedded*: if bodies pushed them out, they would push against
 // the clamp in every step.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, quaternion::{rotate, turned_by},
-    rod::{Strand, Segment, RodStrand, RodPoint, ROOT_HELD, TELEPORTED, SLEEPS}, body::{Placed, Surface, near, steepest},
+    params::params, dispatch::{invocation, WORKGROUP}, quaternion::rotate,
+    rod::{Strand, Segment, RodStrand, RodPoint, ROOT_HELD, TELEPORTED, SLEEPS}, body::{Placed, Surface, near, steepest, swing},
     contact::{Contact, ContactHistory, Nearest, Place, PLANE, is_deep, nearest, seen_from},
 };
 
@@ -24,7 +24,7 @@ const GRAZES: f32 = 0.01;     // distance from the surface at which a way enters
 
 // A point that a body carries along in the step.
 fn carried(body: Placed, point: RodPoint) -> Place {
-    let displacement = (body.center - body.center_before) + turned_by(body.turn, point.start.xyz - body.center_before);
+    let displacement = (body.center - body.center_before) + swing(body, point.start.xyz - body.center_before);
     return Place(point.start.xyz, point.remainder, displacement, 0.0);
 }
 

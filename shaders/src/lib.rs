@@ -10,6 +10,8 @@
 pub enum Switch {
     /// A body (`shaders/common/body.wgsl`).
     Bodies,
+    /// A body that deforms (`shaders/common/body.wgsl`).
+    Deforms,
     /// Turbulence that enters with the wind (`shaders/common/inflow.wgsl`).
     Inflow,
     /// Keyframes of roots or bodies (`shaders/common/motion.wgsl`).
@@ -24,6 +26,7 @@ impl Switch {
     pub fn name(self) -> &'static str {
         match self {
             Self::Bodies => "BODIES",
+            Self::Deforms => "DEFORMS",
             Self::Inflow => "INFLOW",
             Self::Keyframes => "KEYFRAMES",
             Self::Meshes => "MESHES",

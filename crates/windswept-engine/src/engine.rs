@@ -103,16 +103,17 @@ impl Engine {
         Ok(engine)
     }
 
-    /// Writes the keyframes of all that moves, and who moves by them.
+    /// Writes the keyframes of all that moves, and who moves by them; [`bodies::bodies`] says what `halves` are.
     pub(crate) fn write_motions(
         &self,
         scene: &CheckedScene,
         initial: &InitialState,
         motions: &Motions,
+        halves: &[u32],
     ) -> Result<(), GpuError> {
         let s = &self.state;
         self.write(&s.keyframes, &motions.keyframes)?;
-        self.write(&s.bodies, &bodies::bodies(scene, initial, motions))?;
+        self.write(&s.bodies, &bodies::bodies(scene, initial, motions, halves))?;
         self.write(&s.strands, &rods::strands(scene, initial, motions))
     }
 
@@ -136,7 +137,7 @@ impl Engine {
         self.write(&s.field_keyframes, &setup.fields.keyframes)?;
         self.write(&s.inverse_mass, &inverse_mass)?;
         self.write(&s.points, &rods::points(hair))?;
-        self.write_motions(scene, initial, &setup.motions)?;
+        self.write_motions(scene, initial, &setup.motions, &[])?;
         self.write(&s.distances, &bodies::distances(scene))?;
         self.write(&s.segments, &rods::segments(hair))?;
         self.write(&s.strand_history, &rods::strand_histories(initial))?;
@@ -147,6 +148,11 @@ impl Engine {
         self.write(&s.air_id, &(0..self.state.sizes.air()).collect::<Vec<_>>())?;
         self.write(&s.sorted, &(points..particles).chain(0..points).collect::<Vec<_>>())?;
         self.write_air(Some(&local), Some(&air.velocities), air.volume)
+    }
+
+    /// Writes values of the grids of meshes from one of them on.
+    pub(crate) fn write_distances(&self, first: usize, values: &[f32]) -> Result<(), GpuError> {
+        self.memory.write(&self.gpu, &self.state.distances, first, values)
     }
 
     /// Lets strands forget how they were: each is finite and awake, and begins with Euler.

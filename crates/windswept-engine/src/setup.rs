@@ -9,7 +9,7 @@ use windswept_shaders::{
 use crate::{
     state::Sizes,
     upload::{
-        bands::Bands, bodies, coarse::Coarse, fields::Fields, meshes::Meshes, motion::Motions, params, pressure,
+        bands::Bands, bodies, bonds, coarse::Coarse, fields::Fields, meshes::Meshes, motion::Motions, params, pressure,
         sort::Sort, winds,
     },
 };
@@ -81,7 +81,9 @@ impl<'a> Setup<'a> {
             coarse_nodes: coarse.as_ref().map_or(0, Coarse::nodes),
             keyframes: motions.room(scene),
             bodies: scene.bodies.len() as u32,
-            distances: bodies::nodes(scene),
+            distances: bodies::values(scene),
+            deforming: bodies::frames(scene).flatten().count() as u32,
+            bonds: if bonds::are_on(scene) { params.strands } else { 0 },
             wind_table: wind_table.len() as u32,
             frame_table: frame_table.len() as u32,
             waves: waves.len() as u32,

@@ -8,6 +8,7 @@ mod energy;
 mod force;
 mod loads;
 mod measure;
+mod poses;
 mod recover;
 mod report;
 mod sample;
@@ -19,12 +20,14 @@ mod update;
 use std::{collections::BTreeMap, sync::OnceLock, time::Instant};
 
 use glam::{DQuat, DVec3};
-use windswept_scene::{AsChecked, Change, CheckedScene, Counts, Groom, InitialState, Motion, Scene};
+use windswept_scene::{AsChecked, Change, CheckedScene, Counts, Groom, InitialState, Scene};
 use windswept_shaders::common::status::{NON_FINITE_AIR, Status, TOO_MANY_FAILED_STRANDS, UNRECOVERED_STRAND};
 
+use bodies::Driven;
 pub use checkpoint::Checkpoint;
 pub use force::Accelerations;
 pub use loads::HairLoads;
+use poses::Poses;
 pub use sample::AirSample;
 
 use crate::{
@@ -63,8 +66,11 @@ pub struct Simulation {
     wind_at_start: DVec3,
     /// The wind that [`Self::set_wind`] has set last \[m/s\].
     wind_set: Option<DVec3>,
-    /// Motions of the bodies that [`Self::set_body`] has moved, by their indices.
-    bodies_set: BTreeMap<usize, Motion>,
+    /// Motions of the bodies that [`Self::set_body`] has moved, and poses of those that [`Self::set_body_vertices`] has,
+    /// by their indices.
+    bodies_set: BTreeMap<usize, Driven>,
+    /// Poses of the bodies that deform.
+    poses: Poses,
     /// The scene that the simulation began with, and the updates since.
     began: Scene,
     updates: Vec<Change>,
@@ -214,7 +220,10 @@ impl Simulation {
         let recording = Recorder::record(engine.state(), |r| step::record(r, &plan));
         let program = engine.program(&recording)?;
         let last = engine.status()?;
+        let mut poses = Poses::new(&scene, &initial);
+        poses.bring(&engine, last.step)?;
         Ok(Self {
+            poses,
             plan,
             recording,
             program,
@@ -295,6 +304,8 @@ impl Simulation {
             if let Some(steps) = if self.callback.is_some() { Some(1) } else { self.steps_to_change() } {
                 left = left.min(steps * self.substeps() - substep);
             }
+            self.poses.bring(&self.engine, self.last.step)?;
+            left = left.min(self.poses.steps_left(self.last.step).unwrap_or(left));
             let started = Instant::now();
             let before = self.last.step;
             let timed = if is_timed(self.batches) {
@@ -316,11 +327,13 @@ impl Simulation {
     }
 
     /// Encodes `n` steps of Δt into the caller's encoder, beside the caller's own work. Of a step that is done in part,
-    /// as one of which a substep froze, those substeps are encoded that it lacks. Call [`Self::finish_steps`] after the
-    /// submit, and before the next call.
+    /// as one of which a substep froze, those substeps are encoded that it lacks; steps before which a body that deforms
+    /// needs another pose are left out. Call [`Self::finish_steps`] after the submit, and before the next call.
     pub fn encode_steps(&self, encoder: &mut wgpu::CommandEncoder, n: u64) {
         let goal = self.steps.saturating_add(n).saturating_mul(self.substeps());
-        for _ in self.last.step.into()..goal {
+        let now = u64::from(self.last.step);
+        let goal = goal.min(self.poses.steps_left(self.last.step).map_or(goal, |left| now + left));
+        for _ in now..goal {
             self.program.encode(encoder);
         }
     }
@@ -359,7 +372,7 @@ impl Simulation {
             let (count, limit) = (status.failed_strands, self.engine.params().failed_strand_limit);
             return Err(RunError::TooManyFailedStrands { count, limit, strand, point, pass, step, time: self.time() });
         }
-        Ok(())
+        Ok(self.poses.bring(&self.engine, self.last.step)?)
     }
 
     /// Records the step anew, for the engine's buffers as they are now.

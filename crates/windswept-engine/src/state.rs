@@ -13,6 +13,7 @@ use windswept_shaders::{
         air::Sampled,
         band::Band,
         body::{Body, Placed},
+        bond::{Bond, Corners},
         by_body::CHUNKS,
         contact::{Contact, ContactHistory},
         dispatch::WORKGROUP,
@@ -85,8 +86,12 @@ pub struct Sizes {
     pub keyframes: u32,
     /// Bodies.
     pub bodies: u32,
-    /// Nodes of the grids of all meshes.
+    /// Values at the nodes of the grids of all meshes.
     pub distances: u32,
+    /// Bodies that deform.
+    pub deforming: u32,
+    /// Strands that may be bound to such a body: all where one is, else none.
+    pub bonds: u32,
     /// Entries of the table of the mean wind.
     pub wind_table: u32,
     /// Entries of the table of the frame of `air.follows`, with room for a motion that is set.
@@ -151,6 +156,7 @@ impl Sizes {
     pub fn has(&self, switch: Switch) -> bool {
         match switch {
             Switch::Bodies => self.bodies > 0,
+            Switch::Deforms => self.deforming > 0,
             Switch::Inflow => self.waves > 0,
             Switch::Keyframes => self.keyframes > 0,
             Switch::Meshes => self.distances > 0,
@@ -274,8 +280,13 @@ state! {
     keyframes: Keyframe, |s| s.keyframes;
     /// A body before it moves: axis, radius, friction, keyframes, grid.
     bodies: Body, |s| s.bodies;
-    /// Signed distances at the nodes of the grids of all meshes \[m\].
+    /// Signed distances at the nodes of the grids of all meshes \[m\]; of meshes that deform in two poses, and after those
+    /// of each the moves of the surface \[m\].
     distances: f32, |s| s.distances;
+    /// Place of a root in the triangle that it is bound to, and its frame there.
+    bonds: Bond, |s| s.bonds;
+    /// Corners of that triangle in two poses of its body.
+    bond_corners: Corners, |s| 2 * s.bonds;
     /// Taps of the smoothing Gaussian and of its second derivative \[1/m²\], two of each, band by band and axis by
     /// axis.
     taps: Vec4, |s| s.taps;

@@ -2,6 +2,7 @@
 
 pub(crate) mod bands;
 pub(crate) mod bodies;
+pub(crate) mod bonds;
 pub(crate) mod coarse;
 pub(crate) mod fields;
 pub(crate) mod meshes;

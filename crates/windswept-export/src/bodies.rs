@@ -13,7 +13,7 @@ pub(crate) fn pose(bodies: &[CheckedBody], i: usize, frame: &Frame) -> Pose {
 
 /// The shape of each body in a frame.
 pub(crate) fn in_frame<'a>(bodies: &'a [CheckedBody], frame: &'a Frame) -> impl Iterator<Item = CheckedShape> + 'a {
-    (0..bodies.len()).map(|i| bodies[i].placed(&pose(bodies, i, frame)))
+    (0..bodies.len()).map(|i| bodies[i].placed(&pose(bodies, i, frame), frame.time))
 }
 
 /// Points of a round body from pole to pole, and around.

@@ -17,7 +17,7 @@ use crate::{
     limits::{MAX_BLOCKED, MAX_GRID_VALUES},
     motion::{Motion, Pose},
     round_box::RoundBox,
-    scene::{Bounds, SceneValues},
+    scene::{Bounds, Scene, SceneValues},
     solid::{MeshFile, Solid},
     triangles::Triangles,
 };
@@ -34,7 +34,7 @@ const GRID_ERROR: f64 = 0.25;
 table! {
     /// One `[[body]]`.
     #[derive(Debug, Clone, PartialEq)]
-    pub struct Body => CheckedBody {
+    pub struct Body => CheckedBody, checked by Body::check {
         /// Name of the body, for dotted keys and errors.
         name: String = Text, "", Value("body".to_owned());
         /// Shape of the body where it is written, before it moves.
@@ -165,6 +165,15 @@ impl Body {
     #[must_use]
     pub fn solid(solid: Solid) -> Self {
         Self::of(solid.into())
+    }
+
+    /// A mesh that deforms goes by its own poses.
+    fn check(&self, checked: &mut CheckedBody, _: &Scene, at: &At<'_>) {
+        let Some(frames) = checked.shape.solid().and_then(Solid::frames) else { return };
+        if !self.motion.keyframes.is_empty() {
+            at.fault("motion", "expected none beside frames, which say where the mesh is");
+        }
+        checked.motion = frames.motion().clone();
     }
 
     /// The body with this name.
@@ -356,23 +365,28 @@ impl CheckedBody {
     /// The body's shape where it is at `time` \[s\].
     #[must_use]
     pub fn at(&self, time: f64) -> CheckedShape {
-        self.placed(&self.motion.at(time))
+        self.placed(&self.motion.at(time), time)
     }
 
-    /// The body's shape in this pose.
+    /// The body's shape in this pose at `time` \[s\], by which a mesh deforms.
     #[must_use]
-    pub fn placed(&self, pose: &Pose) -> CheckedShape {
+    pub fn placed(&self, pose: &Pose, time: f64) -> CheckedShape {
         let center = self.shape.center();
-        self.shape.moved(|x| pose.place(center, x))
+        let place = |x| pose.place(center, x);
+        match &self.shape {
+            CheckedShape::Mesh(solid) => CheckedShape::Mesh(solid.at(time).moved(place)),
+            round => round.moved(place),
+        }
     }
 }
 
 impl SceneValues {
-    /// The solids of the meshes, one for each grid of distances that is in memory: bodies of one file share it.
+    /// The solids of the meshes that keep their shape, one for each grid of distances that is in memory: bodies of one
+    /// file share it.
     #[must_use]
     pub fn solids(&self) -> Vec<&Solid> {
         let mut all: Vec<&Solid> = Vec::new();
-        for solid in self.bodies.iter().filter_map(|body| body.shape.solid()) {
+        for solid in self.bodies.iter().filter_map(|body| body.shape.solid()).filter(|solid| solid.frames().is_none()) {
             if !all.iter().any(|other| other.shares_grid(solid)) {
                 all.push(solid);
             }
@@ -380,11 +394,38 @@ impl SceneValues {
         all
     }
 
-    /// The grids of all meshes must fit into one buffer, and the wind must get past the bodies.
+    /// Values that the grids of all meshes have: a mesh that deforms has those of two poses.
+    #[must_use]
+    pub fn grid_values(&self) -> usize {
+        let rigid: usize = self.solids().iter().map(|solid| solid.grid().values.len()).sum();
+        rigid
+            + self
+                .bodies
+                .iter()
+                .filter_map(|body| body.shape.solid()?.frames())
+                .map(|frames| frames.values())
+                .sum::<usize>()
+    }
+
+    /// The grids of all meshes must fit into one buffer, poses must be a step apart, and the wind must get past the
+    /// bodies.
     pub(crate) fn check_bodies(&self, at: &At<'_>) {
-        let nodes: usize = self.solids().iter().map(|solid| solid.grid().values.len()).sum();
+        let step = self.time.step / f64::from(self.time.substeps);
+        for (i, body) in self.bodies.iter().enumerate() {
+            let Some(frames) = body.shape.solid().and_then(Solid::frames) else { continue };
+            let times = frames.motion().keyframes.windows(2).map(|pair| pair[1].time - pair[0].time);
+            if let Some((k, apart)) = times.enumerate().find(|(_, apart)| *apart < (1.0 - ROUNDING) * step) {
+                let words =
+                    format!("pose {} is {apart} s after the one before: expected at least a step, {step} s", k + 1);
+                at.fault(&format!("body.{i}.frames"), words);
+            }
+        }
+        let nodes = self.grid_values();
         if nodes > MAX_GRID_VALUES {
-            let most = |body: &CheckedBody| body.shape.solid().map_or(0, |solid| solid.grid().values.len());
+            let most = |body: &CheckedBody| {
+                let own = |solid: &Solid| solid.frames().map_or(solid.grid().values.len(), |frames| frames.values());
+                body.shape.solid().map_or(0, own)
+            };
             let largest = (0..self.bodies.len()).max_by_key(|&i| most(&self.bodies[i])).unwrap_or_default();
             let words = format!(
                 "the grids of all meshes have {nodes} nodes together; expected at most {MAX_GRID_VALUES}, with a larger resolution"

@@ -5,7 +5,7 @@ mod cyhair;
 mod farthest;
 mod fit;
 mod npy;
-mod npz;
+pub(crate) mod npz;
 mod ply;
 mod usc;
 

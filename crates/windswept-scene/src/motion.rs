@@ -80,18 +80,25 @@ impl Motion {
     /// The pose at `time` \[s\].
     #[must_use]
     pub fn at(&self, time: f64) -> Pose {
-        let next = self.keyframes.partition_point(|keyframe| keyframe.time <= time);
-        let before = next.checked_sub(1).and_then(|last| self.keyframes.get(last));
-        match (before, self.keyframes.get(next)) {
-            (Some(before), Some(after)) => {
-                let part = (time - before.time) / (after.time - before.time);
-                let (from, to) = (before.pose(), after.pose());
+        let (before, part) = self.phase(time);
+        match self.keyframes.get(before..) {
+            Some([from, to, ..]) if part > 0.0 => {
+                let (from, to) = (from.pose(), to.pose());
                 let translation = from.translation.lerp(to.translation, part);
                 Pose { translation, rotation: from.rotation.slerp(to.rotation, part) }
             }
-            (Some(only), None) | (None, Some(only)) => only.pose(),
-            (None, None) => Pose::default(),
+            Some([only, ..]) => only.pose(),
+            _ => Pose::default(),
         }
+    }
+
+    /// Index of the keyframe before `time` \[s\], or of the first, and the part of the way to the next.
+    pub(crate) fn phase(&self, time: f64) -> (usize, f64) {
+        let Some(before) = self.keyframes.partition_point(|keyframe| keyframe.time <= time).checked_sub(1) else {
+            return (0, 0.0);
+        };
+        let own = self.keyframes[before].time;
+        (before, self.keyframes.get(before + 1).map_or(0.0, |next| (time - own) / (next.time - own)))
     }
 
     /// Position of `point`, of a thing with this centre, at `time` \[s\], in m.

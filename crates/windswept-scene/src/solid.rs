@@ -12,19 +12,24 @@ use glam::{DQuat, DVec3};
 
 use crate::{
     body::turned,
-    curves::{file_bytes, no_unit},
+    curves::{
+        file_bytes, no_unit,
+        npz::{self, MovingMesh},
+    },
     declare::{Field, Row, Written, table},
     error::SceneError,
     faults::At,
+    frames::Frames,
     keys::{
-        Fallback::{Derived, Required, Value},
+        Fallback::{Derived, Value},
         Key, Kind,
         Kind::{Choice, Length, Path as PathOf, Positive, Table},
     },
+    motion::Motion,
     reader::Reader,
     scatter::Areas,
     scene::{Scene, Up},
-    triangles::{DistanceGrid, Triangles, cache},
+    triangles::{DistanceGrid, Triangles, band::Lattice, cache},
     units::with_scale,
     write::Writer,
 };
@@ -44,7 +49,10 @@ table! {
         /// Solid of the caller's own, in place of the file's. A scene's text cannot say it.
         solid as "": Option<Solid> = Table, "", Derived("");
         /// Mesh file whose triangles enclose the body (.obj, .ply, .glb).
-        file: String = PathOf, "", Required;
+        file: Option<String> = PathOf, "", Derived("needed, or frames");
+        /// File of a mesh that deforms, in place of a mesh file (.npz): positions (T, n, 3), triangles (m, 3) and times (T)
+        /// in s. It moves by these poses, and has no keyframes.
+        frames: Option<String> = PathOf, "", Derived("none: the mesh keeps its shape");
         /// Metres per unit of the file: 0.01 for centimetres.
         scale: Option<f64> = Positive, "m", Derived("needed with shape mesh, unless the file says its unit");
         /// Axis of the file that points up, or the axes of the file that become x, y and z; xzy, yxz and zyx mirror.
@@ -58,7 +66,26 @@ impl MeshFile {
     /// A file that says its unit and points up along y.
     #[must_use]
     pub fn new(file: impl Into<String>) -> Self {
-        Self { file: file.into(), scale: None, up: Up::Y, resolution: None, solid: None }
+        Self { file: Some(file.into()), ..Self::none() }
+    }
+
+    /// A file of poses that says its unit and points up along y.
+    #[must_use]
+    pub fn frames(file: impl Into<String>) -> Self {
+        Self { frames: Some(file.into()), ..Self::none() }
+    }
+
+    const fn none() -> Self {
+        Self { file: None, frames: None, scale: None, up: Up::Y, resolution: None, solid: None }
+    }
+
+    /// The key that names the file, and the file.
+    #[must_use]
+    pub fn named(&self) -> (&'static str, &str) {
+        match (&self.file, &self.frames) {
+            (None, Some(frames)) => ("frames", frames),
+            (file, _) => ("file", file.as_deref().unwrap_or_default()),
+        }
     }
 }
 
@@ -100,8 +127,10 @@ pub struct Solid {
     content: Arc<Content>,
     /// Rotation from the file's axes, after `up`, to the world's.
     rotation: DQuat,
-    /// Place of the file's origin in the world \[m\].
+    /// Place of the file's origin, or of the centre of its first pose, in the world \[m\].
     origin: DVec3,
+    /// Poses of a mesh that deforms.
+    frames: Option<Arc<Frames>>,
 }
 
 /// Content of a file, in metres.
@@ -113,12 +142,14 @@ struct Content {
     grid: DistanceGrid,
     /// Radius of the largest ball that fits inside \[m\].
     inradius: f64,
+    /// Poses of a mesh that deforms.
+    frames: Option<Arc<Frames>>,
 }
 
 /// How much there is, and not each of millions of numbers.
 impl fmt::Debug for Content {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { triangles, holes, covered, grid, inradius } = self;
+        let Self { triangles, holes, covered, grid, inradius, .. } = self;
         let (triangles, nodes) = (triangles.corners.len(), grid.counts);
         write!(
             f,
@@ -149,6 +180,7 @@ impl PartialEq for Solid {
             && Arc::ptr_eq(&self.content, &other.content)
             && self.rotation == other.rotation
             && self.origin == other.origin
+            && self.frames == other.frames
     }
 }
 
@@ -161,8 +193,9 @@ impl Solid {
     /// [`SceneError`] where the file cannot be read, does not say its unit, or encloses nothing, and where the grid would be too large.
     /// The error names the key of the [`MeshFile`] that is at fault: `file`, `scale`, `up`, or `resolution` where that is said.
     pub fn load(file: MeshFile) -> Result<Self, SceneError> {
-        let path = Path::new(&file.file).to_owned();
-        let of_file = |error: SceneError| error.at("file", None);
+        let (key, path) = file.named();
+        let path = Path::new(path).to_owned();
+        let of_file = |error: SceneError| error.at(key, None);
         let bytes = file_bytes(&path).map_err(of_file)?;
         let mut hasher = DefaultHasher::new();
         hasher.write(&bytes);
@@ -179,13 +212,22 @@ impl Solid {
         let content = match found {
             Some(content) => content,
             None => {
-                let triangles = Triangles::of_bytes(&path, &bytes).map_err(of_file)?;
-                let content = Arc::new(Content::new(triangles, &file)?);
+                let content = Arc::new(match file.frames {
+                    Some(_) => Content::of_poses(npz::moving_mesh(&bytes).map_err(of_file)?, &file)?,
+                    None => Content::new(Triangles::of_bytes(&path, &bytes).map_err(of_file)?, &file)?,
+                });
                 known.push((print, Arc::downgrade(&content)));
                 content
             }
         };
-        Ok(Self { file: Arc::new(file), content, rotation: DQuat::IDENTITY, origin: DVec3::ZERO })
+        Ok(Self::of(file, content))
+    }
+
+    /// The solid of a content, where it was written.
+    fn of(file: MeshFile, content: Arc<Content>) -> Self {
+        let frames = content.frames.clone();
+        let origin = frames.as_ref().map_or(DVec3::ZERO, |frames| frames.center());
+        Self { file: Arc::new(file), content, rotation: DQuat::IDENTITY, origin, frames }
     }
 
     /// The solid of a scene's mesh.
@@ -193,8 +235,15 @@ impl Solid {
         if let Some(own) = &file.solid {
             return Some(own.clone());
         }
-        let loaded = Self::load(file.clone());
-        loaded.map_err(|error| at.fault_of(&error, "file", &format!("{}: ", file.file))).ok()
+        match (&file.file, &file.frames) {
+            (None, None) => at.fault("file", "is missing: expected a mesh file, or frames"),
+            (Some(_), Some(_)) => at.fault("frames", "expected none beside file: it has the triangles itself"),
+            _ => {
+                let (key, path) = file.named();
+                return Self::load(file.clone()).map_err(|error| at.fault_of(&error, key, &format!("{path}: "))).ok();
+            }
+        }
+        None
     }
 
     /// Volume that triangles in metres enclose, with a grid of this spacing \[m\], or of
@@ -205,7 +254,24 @@ impl Solid {
     pub fn enclosed(triangles: Triangles, resolution: Option<f64>) -> Result<Self, SceneError> {
         let file = MeshFile { scale: Some(1.0), resolution, ..MeshFile::new("") };
         let content = Arc::new(Content::new(triangles, &file)?);
-        Ok(Self { file: Arc::new(file), content, rotation: DQuat::IDENTITY, origin: DVec3::ZERO })
+        Ok(Self::of(file, content))
+    }
+
+    /// Volume that a mesh encloses which is in these poses \[m\] at these times \[s\], as a file of [`MeshFile::frames`].
+    /// It has no file, so that a scene's text cannot say it.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
+    pub fn deforming(
+        times: Vec<f64>,
+        poses: &[Vec<DVec3>],
+        corners: Vec<[u32; 3]>,
+        resolution: Option<f64>,
+    ) -> Result<Self, SceneError> {
+        let file = MeshFile { scale: Some(1.0), resolution, ..MeshFile::frames("") };
+        let poses = poses.iter().map(|pose| pose.iter().map(|x| x.to_array()).collect()).collect();
+        let content = Content::of_poses(MovingMesh { times, poses, corners, unit: None }, &file)?;
+        Ok(Self::of(file, Arc::new(content)))
     }
 
     /// The file that the solid is of.
@@ -248,6 +314,41 @@ impl Solid {
     #[must_use]
     pub fn origin(&self) -> DVec3 {
         self.origin
+    }
+
+    /// Poses of a mesh that deforms.
+    #[must_use]
+    pub fn frames(&self) -> Option<&Arc<Frames>> {
+        self.frames.as_ref()
+    }
+
+    /// The poses of a mesh that a caller may let deform, which has this motion: its own, or the one that it rests in.
+    ///
+    /// # Errors
+    /// [`SceneError`] where the grids of two poses would be too large.
+    pub fn poses(&self, motion: &Motion) -> Result<Arc<Frames>, SceneError> {
+        let at_rest = || Frames::at_rest(self.triangles(), self.origin, motion.clone(), self.grid().spacing);
+        self.frames.clone().map_or_else(|| at_rest().map(Arc::new), Ok)
+    }
+
+    /// The solid of the same mesh that goes through these poses.
+    #[must_use]
+    pub fn with_poses(&self, frames: Arc<Frames>) -> Self {
+        Self { frames: Some(frames), ..self.clone() }
+    }
+
+    /// The solid as it is at a time \[s\], in its own place.
+    pub(crate) fn at(&self, time: f64) -> Self {
+        let Some(frames) = self.frames() else { return self.clone() };
+        let points = frames.points(time);
+        let Lattice { origin, spacing, counts } = *frames.lattice();
+        let Content { triangles, holes, covered, inradius, .. } = &*self.content;
+        let grid = DistanceGrid { origin, spacing, counts, values: frames.distances(&points) };
+        let points = points.into_iter().map(|x| x.as_dvec3()).collect();
+        let triangles = Triangles { points, normals: Vec::new(), ..triangles.clone() };
+        let (holes, covered, inradius) = (*holes, *covered, *inradius);
+        let content = Content { triangles, holes, covered, grid, inradius, frames: None };
+        Self { content: Arc::new(content), frames: None, ..self.clone() }
     }
 
     /// Whether both have one grid in memory.
@@ -311,7 +412,7 @@ impl Solid {
     /// The solid with each of its points where `place`, which must be rigid, has it.
     pub(crate) fn moved(&self, place: impl Fn(DVec3) -> DVec3) -> Self {
         let (origin, rotation) = (place(self.origin), turned(place, self.origin, self.rotation));
-        Self { file: self.file.clone(), content: self.content.clone(), rotation, origin }
+        Self { rotation, origin, ..self.clone() }
     }
 
     /// Corners of the box about the triangles \[m\].
@@ -322,6 +423,22 @@ impl Solid {
 }
 
 impl Content {
+    /// The content of a file of poses: the mesh in its first one.
+    fn of_poses(mesh: MovingMesh, file: &MeshFile) -> Result<Self, SceneError> {
+        let Some(scale) = file.scale.or(mesh.unit) else {
+            return Err(SceneError::new(no_unit(None)).with_help("give scale, the metres per unit").at("scale", None));
+        };
+        let (frames, first) = Frames::new(mesh, scale, file.up, file.resolution)
+            .map_err(|error| error.at(if file.resolution.is_some() { "resolution" } else { "frames" }, None))?;
+        let spacing = frames.lattice().spacing;
+        let in_place = MeshFile { scale: Some(1.0), up: Up::Y, resolution: Some(spacing), ..file.clone() };
+        let rest = Self::new(first, &in_place).map_err(|error| match error.key() {
+            Some("resolution") if file.resolution.is_some() => error,
+            _ => error.at("frames", None),
+        })?;
+        Ok(Self { frames: Some(Arc::new(frames)), ..rest })
+    }
+
     fn new(triangles: Triangles, file: &MeshFile) -> Result<Self, SceneError> {
         let bounds = triangles.bounds().map(|corners| corners.map(|x| x.to_array()));
         let Some(scale) = file.scale.or(triangles.unit) else {
@@ -335,16 +452,16 @@ impl Content {
         let grid = cache::bake(&surface, spacing, MARGIN * spacing);
         let size = surface.size();
         let grid = grid.map_err(|error| match (error.key(), file.resolution) {
-            (Some("surface"), _) => error.at("file", None),
+            (Some("surface"), _) => error.at(file.named().0, None),
             (Some("spacing"), None) if size > *LIKELY.end() => error.at("scale", None).with_help(format!(
                 "the mesh is {}. For one that is so large, give a larger resolution",
                 with_scale(size, scale, &LIKELY)
             )),
             // The key that sets the grid's spacing, if the scene has it.
-            (_, resolution) => error.at(if resolution.is_some() { "resolution" } else { "file" }, None),
+            (_, resolution) => error.at(if resolution.is_some() { "resolution" } else { file.named().0 }, None),
         })?;
         let inradius = grid.inradius();
         let covered = (1.0 - triangles.area() / surface.area()).max(0.0);
-        Ok(Self { triangles, holes, covered, grid, inradius })
+        Ok(Self { triangles, holes, covered, grid, inradius, frames: None })
     }
 }

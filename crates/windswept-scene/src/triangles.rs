@@ -1,16 +1,18 @@
 //! Triangles of mesh files: the contents of a file, and the closed surface that follows from it.
 
+pub(crate) mod band;
 pub(crate) mod cache;
 mod close;
-mod distance;
+pub(crate) mod distance;
 mod glb;
 mod obj;
-mod tree;
+pub(crate) mod tree;
 
 use std::{ops::Range, path::Path, sync::Arc};
 
 use glam::DVec3;
 
+pub use band::Lattice;
 pub use distance::DistanceGrid;
 
 use crate::{

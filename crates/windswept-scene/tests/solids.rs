@@ -36,7 +36,7 @@ fn a_mesh_is_what_its_file_encloses() {
     let scene = load(&folder, &format!("{AWAY}[[body]]\n{keys}")).unwrap();
     let body = &scene.bodies[0];
     let solid = body.shape.solid().unwrap();
-    assert_eq!(solid.file().file, folder.path().join("ball.obj").to_str().unwrap());
+    assert_eq!(solid.file().named().1, folder.path().join("ball.obj").to_str().unwrap());
     let center = DVec3::X + DQuat::from_rotation_z(0.3) * DVec3::new(0.01, 0.02, 0.03);
     let (mesh, ball) = (body.at(0.5), CheckedShape::sphere(center.to_array(), 0.04));
     assert!(mesh.center().distance(DVec3::X) < 1e-15, "{}", mesh.center());

@@ -1,19 +1,29 @@
-//! Bodies that a caller moves.
+//! Bodies that a caller moves, or lets deform.
 
-use glam::{DQuat, DVec3};
-use windswept_scene::{Keyframe, Motion, Pose};
+use std::sync::Arc;
+
+use glam::{DQuat, DVec3, Vec3};
+use serde::{Deserialize, Serialize};
+use windswept_scene::{CheckedScene, CheckedShape, Frames, Keyframe, Lattice, Motion, Pose};
 
 use super::{
     Simulation,
-    drive::{held, is_rotation},
+    drive::{checked, held, is_rotation},
 };
 use crate::{
-    error::{GpuError, RunError},
+    error::{Error, RunError},
     upload::{
         motion::{Motions, hair_on},
         winds,
     },
 };
+
+/// Motion of a body that a caller has set, by two keyframes, and what a mesh that deforms is like at these.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub(super) struct Driven {
+    pub(super) motion: Motion,
+    pub(super) poses: Option<([Arc<Vec<Vec3>>; 2], Lattice)>,
+}
 
 impl Simulation {
     /// Moves a body of the scene: at the end of the next step of Δt it has this pose, about its centre (a mesh's is the
@@ -25,13 +35,12 @@ impl Simulation {
     ///
     /// # Errors
     /// [`RunError::Input`] when the scene has no body of this name, the rotation has no length, or a number is not finite
-    /// or beyond 1e18; [`RunError::Gpu`].
+    /// or beyond 1e18, and when the body deforms; [`RunError::Gpu`].
     pub fn set_body(&mut self, name: &str, pose: Pose, velocity: Option<[DVec3; 2]>) -> Result<(), RunError> {
-        let Some(body) = self.scene.bodies.iter().position(|body| body.name == name) else {
-            let known: Vec<_> = self.scene.bodies.iter().map(|body| body.name.as_str()).collect();
-            let known = if known.is_empty() { "there is none".to_owned() } else { known.join(", ") };
-            return Err(RunError::Input(format!("name: expected a body of the scene, found \"{name}\": {known}")));
-        };
+        let body = self.body_named(name)?;
+        if self.scene.bodies[body].shape.solid().is_some_and(|solid| solid.frames().is_some()) {
+            return Err(RunError::Input(format!("name: \"{name}\" deforms: expected vertices in place of a pose")));
+        }
         if !is_rotation(&pose.rotation) {
             return Err(RunError::Input(format!(
                 "rotation: expected a quaternion of a length above 1e-6, found {:?}",
@@ -59,7 +68,8 @@ impl Simulation {
             translation: pose.translation.to_array(),
             rotation: pose.rotation.to_scaled_axis().to_array(),
         };
-        self.set_motion(body, [keyframe(now, before), keyframe(now + step, pose)].into())?;
+        let motion = [keyframe(now, before), keyframe(now + step, pose)].into();
+        self.drive_body(body, Driven { motion, poses: None })?;
         if velocity.is_some() {
             // A jump wakes no hair by itself.
             self.engine.rouse()?;
@@ -67,12 +77,58 @@ impl Simulation {
         Ok(())
     }
 
-    /// Gives a body and the hair on it a motion in place of the scene's.
-    pub(super) fn set_motion(&mut self, body: usize, motion: Motion) -> Result<(), GpuError> {
+    /// Lets a mesh of the scene deform: at the end of the next step of Δt its points are at `vertices` \[m\], as many and
+    /// in the order that its file has them, in place of the scene's own motion. It comes there evenly from where it is,
+    /// and stays until it is set again. Hair on the body goes with the triangles that its roots are nearest to.
+    ///
+    /// # Errors
+    /// [`RunError::Input`] when the scene has no body of this name that is a mesh, when there is not a vertex for each of
+    /// its points, when a number is not finite or beyond 1e18, and when the grid that holds the mesh would be too large;
+    /// [`RunError::Gpu`].
+    pub fn set_body_vertices(&mut self, name: &str, vertices: &[DVec3]) -> Result<(), RunError> {
+        let body = self.body_named(name)?;
+        let own = &self.scene.bodies[body];
+        let Some(solid) = own.shape.solid() else {
+            return Err(RunError::Input(format!("name: \"{name}\" is no mesh: expected one that has vertices")));
+        };
+        checked("vertices", Some(vertices), solid.triangles().points.len())?;
+        let refused = |error: windswept_scene::SceneError| RunError::Input(format!("vertices: {}", error.message()));
+        let (now, step) = (self.time(), self.scene.time.step);
+        let poses = solid.poses(&own.motion).map_err(refused)?;
+        let poses = poses.toward([now, now + step], vertices).map_err(refused)?;
+        let both = [poses.pose(0).clone(), poses.pose(1).clone()];
+        Ok(self.drive_body(body, Driven { motion: poses.motion().clone(), poses: Some((both, *poses.lattice())) })?)
+    }
+
+    /// Index of the body of this name.
+    fn body_named(&self, name: &str) -> Result<usize, RunError> {
+        self.scene.bodies.iter().position(|body| body.name == name).ok_or_else(|| {
+            let known: Vec<_> = self.scene.bodies.iter().map(|body| body.name.as_str()).collect();
+            let known = if known.is_empty() { "there is none".to_owned() } else { known.join(", ") };
+            RunError::Input(format!("name: expected a body of the scene, found \"{name}\": {known}"))
+        })
+    }
+
+    /// Gives a body and the hair on it a motion in place of the scene's, and a mesh poses.
+    pub(super) fn drive_body(&mut self, body: usize, driven: Driven) -> Result<(), Error> {
+        self.was_set = true;
+        let mut poses = None;
+        if let (Some((both, lattice)), Some(solid)) = (&driven.poses, self.given.bodies[body].shape.solid()) {
+            let frames = solid.poses(&self.given.bodies[body].motion)?;
+            poses = Some(Arc::new(frames.with_poses(driven.motion.clone(), both.to_vec(), *lattice)));
+            let now = self.scene.bodies[body].shape.solid().and_then(|solid| solid.frames());
+            if now.map(|frames| frames.lattice()) != Some(lattice) {
+                // The mesh needs room for its poses, or more.
+                let with_room = with_frames(&self.given, body, &Arc::new(frames.on(lattice)));
+                self.bodies_set.remove(&body);
+                let next = self.with_scene(&with_room, &[])?;
+                self.go_on_as(next, self.given.clone());
+            }
+        }
         let hair: Vec<usize> = hair_on(&self.given, body).collect();
         let follows = self.given.followed().is_some_and(|followed| followed.name == self.given.bodies[body].name);
         self.scene = self.scene.assuming(|scene, values| {
-            let mut motion = motion.clone();
+            let mut motion = driven.motion.clone();
             if follows {
                 // The way of the frame is that since the start.
                 let start = values.bodies[body].motion.keyframes.first().filter(|_| motion.keyframes[0].time > 0.0);
@@ -88,16 +144,31 @@ impl Simulation {
                 values.feel_frame();
             }
         });
-        self.was_set = true;
-        let (motions, engine) = (Motions::new(&self.scene), &self.engine);
+        if let Some(poses) = poses {
+            self.scene = with_frames(&self.scene, body, &poses);
+        }
         if follows {
-            engine.write(&engine.state().frame_table, &winds::frame_table(&self.scene))?;
+            self.engine.write(&self.engine.state().frame_table, &winds::frame_table(&self.scene))?;
             self.turn_wind()?;
         }
-        if self.bodies_set.insert(body, motion).is_some() && !follows {
-            // Body and hair go by the same keyframes as before, which have other values.
-            return engine.write(&engine.state().keyframes, &motions.keyframes);
-        }
-        engine.write_motions(&self.given, &self.initial, &motions)
+        let motions = Motions::new(&self.scene);
+        let halves = self.poses.set(&self.scene, body, &motions);
+        self.bodies_set.insert(body, driven);
+        let shapes: Vec<_> = self.scene.bodies.iter().map(|body| body.shape.clone()).collect();
+        let given = self.given.assuming(|_, values| {
+            values.bodies.iter_mut().zip(shapes).for_each(|(body, shape)| body.shape = shape);
+        });
+        self.engine.write_motions(&given, &self.initial, &motions, &halves)?;
+        Ok(self.poses.bring(&self.engine, self.last.step)?)
     }
+}
+
+/// A scene whose body goes through these poses.
+fn with_frames(scene: &CheckedScene, body: usize, frames: &Arc<Frames>) -> CheckedScene {
+    scene.assuming(|_, values| {
+        let own = &mut values.bodies[body];
+        if let CheckedShape::Mesh(solid) = &own.shape {
+            own.shape = CheckedShape::Mesh(solid.with_poses(frames.clone()));
+        }
+    })
 }

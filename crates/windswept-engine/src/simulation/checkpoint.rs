@@ -9,14 +9,15 @@ use std::{
     sync::OnceLock,
 };
 
-use glam::{DQuat, DVec3};
+use glam::{DQuat, DVec3, Vec3};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use windswept_scene::limits::FASTEST_WIND;
-use windswept_scene::{AtomicFile, Change, CheckedScene, InitialState, Keyframe, Motion, Scene, Warning};
+use windswept_scene::{AtomicFile, Change, CheckedBody, CheckedScene, InitialState, Keyframe, Motion, Scene, Warning};
 use windswept_shaders::common::rod::{Root, StrandHistory};
 
 use super::{
     Origin, Simulation,
+    bodies::Driven as DrivenBody,
     drive::{held, is_rotation, is_wind},
 };
 use crate::{
@@ -30,7 +31,7 @@ use crate::{
 };
 
 /// Format of the files. It rises when a section gets another content, or a buffer that lasts another layout or meaning.
-const FORMAT: u32 = 12;
+const FORMAT: u32 = 13;
 
 const ABOUT: &str = "about";
 const SCENE: &str = "scene";
@@ -80,11 +81,11 @@ pub(super) type Files = Vec<(String, Option<u32>)>;
 /// The groom files and meshes of a scene, as they are now.
 pub(super) fn files(scene: &CheckedScene) -> Files {
     let grooms =
-        scene.hair.iter().enumerate().filter_map(|(k, hair)| Some((scene.scene().called(k), &hair.as_file()?.file)));
+        scene.hair.iter().enumerate().filter_map(|(k, hair)| Some((scene.scene().called(k), &*hair.as_file()?.file)));
     let meshes = scene
         .bodies
         .iter()
-        .filter_map(|body| Some((format!("body {:?}", body.name), &body.shape.solid()?.file().file)));
+        .filter_map(|body| Some((format!("body {:?}", body.name), body.shape.solid()?.file().named().1)));
     grooms.chain(meshes).map(|(what, file)| (format!("{what}, {file},"), checksum(Path::new(file)).ok())).collect()
 }
 
@@ -117,8 +118,8 @@ struct Driven {
     /// Text of the scene that the simulation began with, and the updates since.
     began: String,
     updates: Vec<Change>,
-    /// Motions that were set, by the bodies' indices.
-    bodies: BTreeMap<usize, Motion>,
+    /// Motions and poses that were set, by the bodies' indices.
+    bodies: BTreeMap<usize, DrivenBody>,
     /// Whether the strands are a caller's own, and no scene's.
     own_hair: bool,
     /// Whether a force that was set pushes hair and air.
@@ -267,7 +268,18 @@ impl Checkpoint {
         }
         let is_held = |k: &Keyframe| held(&k.translation.into()) && held(&k.rotation.into()) && k.time.is_finite();
         let is_motion = |motion: &Motion| motion.keyframes.len() == 2 && motion.keyframes.iter().all(is_held);
-        if driven.bodies.iter().any(|(body, motion)| *body >= scene.bodies.len() || !is_motion(motion)) {
+        let points = |body: &CheckedBody| body.shape.solid().map(|solid| solid.triangles().points.len());
+        let are_poses = |body: &CheckedBody, driven: &DrivenBody| match &driven.poses {
+            None => true,
+            Some((poses, lattice)) => {
+                let fits = |pose: &[Vec3]| Some(pose.len()) == points(body) && lattice.holds(pose);
+                poses.iter().all(|pose| fits(pose))
+            }
+        };
+        let is_driven = |(body, driven): (&usize, &DrivenBody)| {
+            scene.bodies.get(*body).is_some_and(|body| is_motion(&driven.motion) && are_poses(body, driven))
+        };
+        if !driven.bodies.iter().all(is_driven) {
             return Err(invalid(&file, format!("section {DRIVEN} has motions that are no bodies'")));
         }
         if !(0.0..=FASTEST_WIND).contains(&driven.speed) && driven.speed != scene.turbulence.speed {
@@ -303,8 +315,8 @@ impl Checkpoint {
         if let Some(wind) = driven.wind {
             simulation.plan_wind(wind).map_err(failed)?;
         }
-        for (body, motion) in driven.bodies {
-            simulation.set_motion(body, motion)?;
+        for (body, driven) in driven.bodies {
+            simulation.drive_body(body, driven).map_err(failed)?;
         }
         Ok(simulation)
     }

@@ -77,8 +77,8 @@ impl Simulation {
         let blows_anew = changed.iter().any(|key| winds.iter().any(|wind| key.starts_with(wind)));
         let mut next = Self::build(gpu, scene, initial, Origin::Validated)?;
         let moves_anew = |body: &usize| changed.iter().any(|key| key.starts_with(&format!("body.{body}.motion")));
-        for (body, motion) in self.bodies_set.iter().filter(|(body, _)| !moves_anew(body)) {
-            next.set_motion(*body, motion.clone())?;
+        for (body, driven) in self.bodies_set.iter().filter(|(body, _)| !moves_anew(body)) {
+            next.drive_body(*body, driven.clone())?;
         }
         next.plan_force(self.plan.conditions.pushes.runs)?;
         let kept = self.engine.state().lasting();
@@ -104,6 +104,7 @@ impl Simulation {
             next.raise_speed(self.scene.turbulence.speed)?;
         }
         next.record_again()?;
+        next.poses.bring(&next.engine, next.last.step)?;
         Ok(next)
     }
 

@@ -17,6 +17,8 @@ pub struct ForcingPlan {
     pub follows: Decision,
     /// Whether pins go with bodies.
     pub pins: Decision,
+    /// Whether roots go with triangles of bodies that deform.
+    pub bonds: Decision,
 }
 
 pub(super) fn plan(setup: &Setup<'_>) -> ForcingPlan {
@@ -26,6 +28,7 @@ pub(super) fn plan(setup: &Setup<'_>) -> ForcingPlan {
         fringe: Decision::when(has_fringe, "air.fringe is 0"),
         follows: Decision::when(setup.scene.followed().is_some(), "air.follows names no body"),
         pins: Decision::when(on_body, "no pin goes with a body"),
+        bonds: Decision::when(setup.sizes().bonds > 0, "no hair is on a body that deforms"),
     }
 }
 
@@ -44,6 +47,9 @@ pub fn record(r: &mut Recorder<'_>, plan: &Plan) {
         });
         r.when(&plan.forcing.follows, |r| {
             r.run(&forcing::CARRY, "hair keeps its velocity in the world", n.strands);
+        });
+        r.when(&plan.forcing.bonds, |r| {
+            r.run(&forcing::BONDS, "roots go with triangles", n.strands);
         });
         r.run(&forcing::ROOTS, "where clamps go", n.strands);
         r.when(&plan.forcing.pins, |r| {

@@ -1,9 +1,9 @@
 //! Keyframes as the shaders see them (`shaders/common/motion.wgsl`).
 
-use std::ops::Range;
+use std::{ops::Range, sync::Arc};
 
 use glam::DQuat;
-use windswept_scene::{CheckedScene, Hair, Motion};
+use windswept_scene::{CheckedBody, CheckedScene, Frames, Hair, Motion, Phase};
 use windswept_shaders::common::motion::Keyframe;
 
 use crate::upload::vectors::{quat, vec3};
@@ -25,8 +25,12 @@ impl Motions {
     pub fn new(scene: &CheckedScene) -> Self {
         let step = scene.time.step / f64::from(scene.time.substeps);
         let mut all = Self::default();
-        all.hair = scene.hair.iter().map(|hair| all.append(&scene.in_frame(&hair.motion), step)).collect();
-        all.bodies = scene.bodies.iter().map(|body| all.append(&scene.in_frame(&body.motion), step)).collect();
+        let shape = |body: &CheckedBody| body.shape.solid()?.frames().cloned();
+        let shape_of = |hair: &Hair| scene.bodies.iter().find(|body| hair.body() == Some(&*body.name)).and_then(shape);
+        let hair = scene.hair.iter().map(|hair| all.append(&scene.in_frame(&hair.motion), shape_of(hair), step));
+        let hair = hair.collect();
+        let bodies = scene.bodies.iter().map(|body| all.append(&scene.in_frame(&body.motion), shape(body), step));
+        (all.bodies, all.hair) = (bodies.collect(), hair);
         all
     }
 
@@ -38,7 +42,8 @@ impl Motions {
         (self.keyframes.len() + 2 * set + 3 * things) as u32
     }
 
-    fn append(&mut self, motion: &Motion, step: f64) -> Range<u32> {
+    /// Appends a motion, and where a mesh that deforms is between its poses.
+    fn append(&mut self, motion: &Motion, poses: Option<Arc<Frames>>, step: f64) -> Range<u32> {
         let first = self.keyframes.len() as u32;
         for (k, own) in motion.keyframes.iter().enumerate() {
             // After the last keyframe the pose stays: its next keyframe is itself.
@@ -46,6 +51,12 @@ impl Motions {
             let (from, to) = (own.pose(), next.pose());
             let turn = to.rotation * from.rotation.conjugate();
             let turn = if turn.w < 0.0 { -turn } else { turn };
+            let phase = poses.as_ref().map_or(Phase { pose: 0, part: 0.0 }, |poses| poses.phase(own.time));
+            // A pose is a keyframe as well: the next one is at most at the next pose.
+            let next_part = poses.as_ref().map_or(0.0, |poses| match poses.phase(next.time) {
+                Phase { pose, part } if pose == phase.pose => part,
+                _ => 1.0,
+            });
             let (time, span) = (own.time / step, (next.time - own.time) / step);
             self.keyframes.push(Keyframe {
                 translation: vec3(from.translation),
@@ -56,6 +67,10 @@ impl Motions {
                 fraction: time.fract() as f32,
                 turn: vec3(rotation_vector(turn)),
                 rate: if span > 0.0 { (1.0 / span) as f32 } else { 0.0 },
+                pose: phase.pose as u32,
+                pose_part: phase.part as f32,
+                pose_span: (next_part - phase.part) as f32,
+                ..Keyframe::default()
             });
         }
         first..self.keyframes.len() as u32

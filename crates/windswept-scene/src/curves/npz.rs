@@ -22,7 +22,10 @@ use super::{
     bytes::fault_at,
     npy::{self, Head, of_floats, of_points, of_whole},
 };
-use crate::{error::SceneError, limits::MAX_PACKED_NUMBERS};
+use crate::{
+    error::SceneError,
+    limits::{LARGEST, MAX_PACKED_NUMBERS, MAX_TRIANGLES},
+};
 
 /// First bytes of the last record of a zip archive, and its length without the archive's comment \[bytes\].
 const END_RECORD: (&[u8], usize) = (b"PK\x05\x06", 22);
@@ -37,7 +40,38 @@ struct Arrays<'a> {
 /// An array: its shape, and what became of its rows.
 type Shaped<T> = (Vec<usize>, Vec<T>);
 
-impl Arrays<'_> {
+impl<'a> Arrays<'a> {
+    fn new(bytes: &'a [u8]) -> Result<Self, SceneError> {
+        let archive = ZipArchive::new(Cursor::new(bytes));
+        let archive =
+            archive.map_err(|error| SceneError::new(format!("expected NumPy arrays in a zip archive: {error}")))?;
+        let end = bytes.len().saturating_sub(END_RECORD.1 + archive.comment().len());
+        if !bytes[end..].starts_with(END_RECORD.0) {
+            return Err(fault_at(end, "expected the archive's last record, and found that more bytes follow it"));
+        }
+        Ok(Self { archive })
+    }
+
+    /// Names of the first arrays.
+    fn names(&self) -> Vec<&str> {
+        self.archive.file_names().map(|name| name.trim_end_matches(".npy")).take(8).collect()
+    }
+
+    /// Metres per unit, where the file says it.
+    fn unit(&mut self) -> Result<Option<f64>, SceneError> {
+        let one = |shape: &[usize]| match shape.iter().product() {
+            1usize => Ok(()),
+            _ => Err(format!("expected one number, found shape {shape:?}")),
+        };
+        match self.rows("meters_per_unit", one, |[unit]| unit)? {
+            None => Ok(None),
+            Some((_, unit)) => match unit[..] {
+                [unit] if unit > 0.0 && unit.is_finite() => Ok(Some(unit)),
+                _ => Err(of_array("meters_per_unit", &"expected a number greater than 0")),
+            },
+        }
+    }
+
     /// Rows of `N` numbers of an array, each as `of` makes it, and the array's shape, which `fits` may refuse. All that
     /// its head says is checked before its numbers are unpacked.
     fn rows<const N: usize, T>(
@@ -123,15 +157,90 @@ fn of_array(name: &str, error: &dyn std::fmt::Display) -> SceneError {
     SceneError::new(format!("{name}: {error}"))
 }
 
-pub(super) fn read(bytes: &[u8], points_per_strand: Option<u32>) -> Result<Curves, SceneError> {
-    let archive = ZipArchive::new(Cursor::new(bytes));
-    let archive =
-        archive.map_err(|error| SceneError::new(format!("expected NumPy arrays in a zip archive: {error}")))?;
-    let end = bytes.len().saturating_sub(END_RECORD.1 + archive.comment().len());
-    if !bytes[end..].starts_with(END_RECORD.0) {
-        return Err(fault_at(end, "expected the archive's last record, and found that more bytes follow it"));
+/// The mesh that moves of a file: when each pose is \[s\], the points of each, and the triangles' corners.
+pub(crate) struct MovingMesh {
+    pub(crate) times: Vec<f64>,
+    pub(crate) poses: Vec<Vec<[f64; 3]>>,
+    pub(crate) corners: Vec<[u32; 3]>,
+    /// Metres per unit, where the file says it.
+    pub(crate) unit: Option<f64>,
+}
+
+/// Reads the arrays `positions` (T, n, 3), `triangles` (m, 3), `times` (T) and, if it is there, `meters_per_unit`.
+pub(crate) fn moving_mesh(bytes: &[u8]) -> Result<MovingMesh, SceneError> {
+    let mut arrays = Arrays::new(bytes)?;
+    let lacks = |arrays: &Arrays<'_>, name: &str, shape: &str| {
+        SceneError::new(format!("expected an array {name} of shape {shape}, found {:?}", arrays.names()))
+    };
+    let of_poses = |shape: &[usize]| match *shape {
+        [poses, points, 3] if poses >= 1 && points >= 3 => Ok(()),
+        _ => Err(format!("expected shape (T, n, 3), with a pose and three points at least, found {shape:?}")),
+    };
+    let Some((shape, points)) = arrays.rows("positions", of_poses, |x: [f64; 3]| x)? else {
+        return Err(lacks(&arrays, "positions", "(T, n, 3)"));
+    };
+    let (count, n) = (shape[0], shape[1]);
+    let times = arrays.rows("times", of_shape(&[count]), |[time]: [f64; 1]| time)?;
+    let Some((_, times)) = times else { return Err(lacks(&arrays, "times", "(T)")) };
+    let of_triangles = |shape: &[usize]| match *shape {
+        [triangles, 3] if (1..=MAX_TRIANGLES).contains(&triangles) => Ok(()),
+        _ => Err(format!("expected shape (m, 3), with 1 to {MAX_TRIANGLES} triangles, found {shape:?}")),
+    };
+    let Some(corners) = arrays.whole("triangles", of_triangles)? else {
+        return Err(lacks(&arrays, "triangles", "(m, 3)"));
+    };
+    Ok(MovingMesh {
+        times,
+        poses: points.chunks_exact(n).map(<[_]>::to_vec).collect(),
+        corners: corners.chunks_exact(3).map(|corners| [corners[0], corners[1], corners[2]]).collect(),
+        unit: arrays.unit()?,
+    })
+}
+
+impl MovingMesh {
+    /// Checks that numbers are finite, times rise, and triangles have points that each pose has.
+    pub(crate) fn check(&self) -> Result<(), SceneError> {
+        let odd = |x: &f64| !(x.abs() <= LARGEST);
+        let n = self.poses.first().map_or(0, Vec::len);
+        for (k, pose) in self.poses.iter().enumerate() {
+            if pose.len() != n {
+                return Err(of_array("positions", &format!("pose {k} has {} points: expected {n}", pose.len())));
+            }
+            if let Some(i) = pose.iter().position(|x| x.iter().any(odd)) {
+                let words =
+                    format!("point {i} of pose {k} is {:?}: expected finite numbers of at most {LARGEST:e}", pose[i]);
+                return Err(of_array("positions", &words));
+            }
+        }
+        let times = &self.times;
+        if times.is_empty() || times.len() != self.poses.len() {
+            let words = format!("expected one for each of {} poses, found {}", self.poses.len(), times.len());
+            return Err(of_array("times", &words));
+        }
+        if let Some(i) = times.iter().position(|time| odd(time) || *time < 0.0) {
+            let words = format!("that of pose {i} is {}: expected finite times of at least 0 s", times[i]);
+            return Err(of_array("times", &words));
+        }
+        if let Some(i) = times.windows(2).position(|pair| pair[1] <= pair[0]) {
+            let words = format!(
+                "that of pose {} is {} s: expected more than the one before, {} s",
+                i + 1,
+                times[i + 1],
+                times[i]
+            );
+            return Err(of_array("times", &words));
+        }
+        let beyond = |corners: &[u32; 3]| corners.iter().any(|&corner| corner as usize >= n);
+        if let Some(i) = self.corners.iter().position(beyond) {
+            let words = format!("triangle {i} has the points {:?}: expected numbers less than {n}", self.corners[i]);
+            return Err(of_array("triangles", &words));
+        }
+        Ok(())
     }
-    let mut arrays = Arrays { archive };
+}
+
+pub(super) fn read(bytes: &[u8], points_per_strand: Option<u32>) -> Result<Curves, SceneError> {
+    let mut arrays = Arrays::new(bytes)?;
     let mut found = None;
     for name in POINTS {
         if found.is_none() {
@@ -139,8 +248,7 @@ pub(super) fn read(bytes: &[u8], points_per_strand: Option<u32>) -> Result<Curve
         }
     }
     let Some((name, shape, points)) = found else {
-        let names: Vec<_> = arrays.archive.file_names().map(|name| name.trim_end_matches(".npy")).take(8).collect();
-        return Err(SceneError::new(format!("expected an array {}, found {names:?}", POINTS.join(" or "))));
+        return Err(SceneError::new(format!("expected an array {}, found {:?}", POINTS.join(" or "), arrays.names())));
     };
     let mut curves = match (arrays.whole("offsets", |_| Ok(()))?, &shape[..]) {
         (Some(_), [_, _, 3]) => {
@@ -167,16 +275,7 @@ pub(super) fn read(bytes: &[u8], points_per_strand: Option<u32>) -> Result<Curve
     curves.groups = arrays.whole("groups", of_shape(&[strands]))?.unwrap_or_default();
     curves.root_uvs = arrays.each("root_uv", &[strands, 2], |place: [f64; 2]| place.map(|x| x as f32))?;
     curves.guides = arrays.each("guides", &[strands], |[mark]| mark != 0.0)?;
-    let one = |shape: &[usize]| match shape.iter().product() {
-        1usize => Ok(()),
-        _ => Err(format!("expected one number, found shape {shape:?}")),
-    };
-    if let Some((_, unit)) = arrays.rows("meters_per_unit", one, |[unit]| unit)? {
-        curves.unit = Some(match unit[..] {
-            [unit] if unit > 0.0 && unit.is_finite() => unit,
-            _ => return Err(of_array("meters_per_unit", &"expected a number greater than 0")),
-        });
-    }
+    curves.unit = arrays.unit()?;
     Ok(curves)
 }
 

@@ -9,6 +9,15 @@ use super::Triangles;
 /// Distance of points in one place at most, in longest sides of the box about all.
 const WELD: f64 = 1e-6;
 
+/// A surface without holes.
+pub(crate) struct Closed {
+    pub(crate) surface: Triangles,
+    /// Number of the holes that are covered.
+    pub(crate) holes: usize,
+    /// Points of the triangles before, of which each point of the surface is the mean.
+    pub(crate) sources: Vec<Vec<u32>>,
+}
+
 impl Triangles {
     /// The triangles with every hole covered, and the number of holes. Points that are a millionth of the longest side
     /// apart become one: what files divide along seams, and what rounding has moved. Triangles of less than three
@@ -19,7 +28,13 @@ impl Triangles {
     /// triangle that is turned around is a loop too, walked through twice: two more of it the right way make it right.
     #[must_use]
     pub fn closed(&self) -> (Self, usize) {
-        let mut all = self.welded();
+        let Closed { surface, holes, .. } = self.close();
+        (surface, holes)
+    }
+
+    /// As [`Self::closed`], with the points that each of the surface's points is the mean of.
+    pub(crate) fn close(&self) -> Closed {
+        let (mut all, mut sources) = self.welded();
         let mut holes = 0;
         let mut next = open(&all.corners);
         while let Some((&first, _)) = next.first_key_value() {
@@ -27,7 +42,9 @@ impl Triangles {
             let mut places = HashMap::from([(first, 0)]);
             while let Some(to) = path.last().and_then(|last| step(&mut next, *last)) {
                 if let Some(&start) = places.get(&to) {
-                    all.cover(&path[start..]);
+                    if all.cover(&path[start..]) {
+                        sources.push(path[start..].iter().map(|&i| sources[i as usize][0]).collect());
+                    }
                     holes += 1;
                     for gone in path.drain(start + 1..) {
                         places.remove(&gone);
@@ -38,10 +55,11 @@ impl Triangles {
                 }
             }
         }
-        (all, holes)
+        Closed { surface: all, holes, sources }
     }
 
-    fn welded(&self) -> Self {
+    /// The triangles with one point in each place, and a point of these that was there.
+    fn welded(&self) -> (Self, Vec<Vec<u32>>) {
         let [low, high] = self.bounds().unwrap_or_default();
         let near = WELD * (high - low).max_element();
         let mut welder = Welder { low, near, cells: HashMap::new(), points: Vec::new() };
@@ -50,19 +68,26 @@ impl Triangles {
         let mut index = |i: u32| *indices[i as usize].get_or_insert_with(|| welder.index(self.points[i as usize]));
         let corners: Vec<_> = self.corners.iter().map(|corners| corners.map(&mut index)).collect();
         let corners = corners.into_iter().filter(|[a, b, c]| a != b && b != c && c != a).collect();
-        Self { points: welder.points, corners, unit: self.unit, ..Self::default() }
+        let mut sources = vec![Vec::new(); welder.points.len()];
+        for (i, welded) in indices.iter().enumerate().filter_map(|(i, welded)| Some((i as u32, (*welded)? as usize))) {
+            if sources[welded].is_empty() {
+                sources[welded].push(i);
+            }
+        }
+        (Self { points: welder.points, corners, unit: self.unit, ..Self::default() }, sources)
     }
 
-    /// Covers the loop.
-    fn cover(&mut self, rim: &[u32]) {
+    /// Covers the loop, and says whether with a new point, the mean of the rim.
+    fn cover(&mut self, rim: &[u32]) -> bool {
         if let &[a, b, c] = rim {
             self.corners.push([a, b, c]);
-            return;
+            return false;
         }
         let middle = self.points.len() as u32;
         let sum: DVec3 = rim.iter().map(|&i| self.points[i as usize]).sum();
         self.points.push(sum / rim.len() as f64);
         self.corners.extend((0..rim.len()).map(|k| [rim[k], rim[(k + 1) % rim.len()], middle]));
+        true
     }
 }
 

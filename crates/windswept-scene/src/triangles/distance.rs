@@ -73,6 +73,69 @@ impl Patience {
     }
 }
 
+/// What is known of the surface at a node.
+#[derive(Clone, Copy)]
+pub(super) struct Near {
+    pub(super) distance: f32,
+    /// The nearest point, and the index of its triangle, where that is kept.
+    pub(super) point: Vec3,
+    pub(super) face: u32,
+}
+
+impl Near {
+    pub(super) const NONE: Self = Self { distance: f32::INFINITY, point: Vec3::INFINITY, face: u32::MAX };
+}
+
+/// Runs over things on all cores.
+pub(super) fn share<T: Send>(things: impl Iterator<Item = T> + Send, run: impl Fn(T) + Sync) {
+    let most = things.size_hint().0.max(1);
+    let waiting = Mutex::new(things);
+    let next = || waiting.lock().unwrap_or_else(PoisonError::into_inner).next();
+    let work = || {
+        while let Some(thing) = next() {
+            run(thing);
+        }
+    };
+    let threads = thread::available_parallelism().map_or(1, NonZero::get).min(most);
+    thread::scope(|scope| {
+        // Without another thread this one does all.
+        (1..threads).map_while(|_| thread::Builder::new().spawn_scoped(scope, work).ok()).for_each(drop);
+        work();
+    });
+}
+
+/// Runs over rows of nodes along x on all cores: with a row's indices along y and z, and what is at its nodes.
+pub(super) fn rows_of<T: Send>(nodes: &mut [T], counts: [usize; 3], run: impl Fn([usize; 2], &mut [T]) + Sync) {
+    let rows = nodes.chunks_exact_mut(counts[0]).enumerate();
+    share(rows, |(row, nodes)| run([row % counts[1], row / counts[1]], nodes));
+}
+
+/// Goes over all nodes in each of the 8 diagonal directions, and gives each the point of the surface that a node before
+/// it has, if that is nearer (Danielsson 1980, Euclidean distance mapping).
+pub(super) fn spread(nodes: &mut [Near], [nx, ny, nz]: [usize; 3], spacing: f32) {
+    for way in 0..8 {
+        let seat = |k: usize, count: usize, bit: u32| if way & bit == 0 { k } else { count - 1 - k };
+        for (k, j) in (0..nz).flat_map(|k| (0..ny).map(move |j| (k, j))) {
+            let (z, y) = (seat(k, nz, 4), seat(j, ny, 2));
+            for i in 0..nx {
+                let x = seat(i, nx, 1);
+                let own = (z * ny + y) * nx + x;
+                let place = spacing * Vec3::new(x as f32, y as f32, z as f32);
+                for (first, stride, bit) in [(i == 0, 1, 1), (j == 0, nx, 2), (k == 0, nx * ny, 4)] {
+                    if first {
+                        continue;
+                    }
+                    let other = nodes[if way & bit == 0 { own - stride } else { own + stride }];
+                    let distance = place.distance(other.point);
+                    if distance < nodes[own].distance {
+                        nodes[own] = Near { distance, ..other };
+                    }
+                }
+            }
+        }
+    }
+}
+
 /// Signed distance from a closed surface, negative inside, at the nodes of a grid of cubes.
 ///
 /// Between nodes the distance is trilinear: next to a surface with the radius of curvature R it is off by up to h²/(4
@@ -171,13 +234,13 @@ impl DistanceGrid {
         let (origin, spacing) = (self.origin, self.spacing);
         self.try_some(tree)?;
         let patience = Patience::new(self.values.len());
-        let mut nodes = vec![(f32::INFINITY, Vec3::ZERO); self.values.len()];
+        let mut nodes = vec![Near::NONE; self.values.len()];
         self.each_row(&mut nodes, |start, row| {
             let mut looks = Looks::default();
             for (i, node) in row.iter_mut().enumerate() {
                 let x = start + spacing * i as f64 * DVec3::X;
                 if let Some(near) = tree.nearest(x, BAND * spacing, &mut looks) {
-                    *node = (x.distance(near) as f32, (near - origin).as_vec3());
+                    *node = Near { distance: x.distance(near) as f32, point: (near - origin).as_vec3(), ..Near::NONE };
                 }
                 if patience.ends(&mut looks) {
                     return;
@@ -186,8 +249,8 @@ impl DistanceGrid {
             patience.spend(&mut looks);
         });
         patience.check()?;
-        self.spread(&mut nodes);
-        let mut values: Vec<_> = nodes.into_iter().map(|(distance, _)| distance).collect();
+        spread(&mut nodes, self.counts.map(|count| count as usize), spacing as f32);
+        let mut values: Vec<_> = nodes.into_iter().map(|node| node.distance).collect();
         self.each_row(&mut values, |start, row| {
             let (mut looks, mut within) = (Looks::default(), None);
             for (i, value) in row.iter_mut().enumerate() {
@@ -234,49 +297,9 @@ impl DistanceGrid {
     /// Runs over rows of nodes along x on all cores: with the place of a row's first node \[m\], and what is at its
     /// nodes.
     fn each_row<T: Send>(&self, nodes: &mut [T], run: impl Fn(DVec3, &mut [T]) + Sync) {
-        let [columns, rows, layers] = self.counts.map(|count| count as usize);
-        let waiting = Mutex::new(nodes.chunks_exact_mut(columns).enumerate());
-        let next = || waiting.lock().unwrap_or_else(PoisonError::into_inner).next();
-        let work = || {
-            while let Some((row, nodes)) = next() {
-                let [y, z] = [row % rows, row / rows].map(|k| k as f64);
-                run(self.origin + self.spacing * DVec3::new(0.0, y, z), nodes);
-            }
-        };
-        let threads = thread::available_parallelism().map_or(1, NonZero::get).min(rows * layers);
-        thread::scope(|scope| {
-            // Without another thread this one does all.
-            (1..threads).map_while(|_| thread::Builder::new().spawn_scoped(scope, work).ok()).for_each(drop);
-            work();
+        rows_of(nodes, self.counts.map(|count| count as usize), |[y, z], row| {
+            run(self.origin + self.spacing * DVec3::new(0.0, y as f64, z as f64), row);
         });
-    }
-
-    /// Goes over all nodes in each of the 8 diagonal directions, and gives each the point of the surface that a
-    /// node before it has, if that is nearer (Danielsson 1980, Euclidean distance mapping).
-    fn spread(&self, nodes: &mut [(f32, Vec3)]) {
-        let [nx, ny, nz] = self.counts.map(|count| count as usize);
-        let spacing = self.spacing as f32;
-        for way in 0..8 {
-            let seat = |k: usize, count: usize, bit: u32| if way & bit == 0 { k } else { count - 1 - k };
-            for (k, j) in (0..nz).flat_map(|k| (0..ny).map(move |j| (k, j))) {
-                let (z, y) = (seat(k, nz, 4), seat(j, ny, 2));
-                for i in 0..nx {
-                    let x = seat(i, nx, 1);
-                    let own = (z * ny + y) * nx + x;
-                    let place = spacing * Vec3::new(x as f32, y as f32, z as f32);
-                    for (first, stride, bit) in [(i == 0, 1, 1), (j == 0, nx, 2), (k == 0, nx * ny, 4)] {
-                        if first {
-                            continue;
-                        }
-                        let (known, near) = nodes[if way & bit == 0 { own - stride } else { own + stride }];
-                        let distance = place.distance(near);
-                        if known.is_finite() && distance < nodes[own].0 {
-                            nodes[own] = (distance, near);
-                        }
-                    }
-                }
-            }
-        }
     }
 
     /// Signed distance of `x` from the surface \[m\], negative inside, and the unit vector along its gradient, which

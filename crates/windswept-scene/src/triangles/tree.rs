@@ -12,7 +12,7 @@ const LEAF: usize = 4;
 const FAR: f64 = 2.0;
 
 /// Triangles, and boxes about them.
-pub(super) struct Tree {
+pub(crate) struct Tree {
     triangles: Vec<Face>,
     nodes: Vec<Node>,
 }
@@ -20,6 +20,8 @@ pub(super) struct Tree {
 /// A triangle, with all others on the same three corners: no box would separate them.
 struct Face {
     corners: [DVec3; 3],
+    /// Index of the triangle among those of the surface.
+    index: u32,
     /// Count with this orientation minus count with the opposite one. With weight 0 the triangle adds no winding
     /// number, but still counts for distances.
     weight: f64,
@@ -27,7 +29,7 @@ struct Face {
 
 /// Work of searches, in visited nodes of trees.
 #[derive(Default)]
-pub(super) struct Looks(pub(super) u64);
+pub(crate) struct Looks(pub(super) u64);
 
 /// A box about successive triangles, and the sums that stand for them from afar.
 struct Node {
@@ -51,10 +53,11 @@ enum Kind {
 
 impl Tree {
     /// The tree of the triangles of a surface, of which there is at least one.
-    pub(super) fn new(surface: &Triangles) -> Self {
+    pub(crate) fn new(surface: &Triangles) -> Self {
         let weights = weights(&surface.corners);
-        let faces = surface.places().zip(weights);
-        let triangles: Vec<_> = faces.filter_map(|(corners, weight)| Some(Face { corners, weight: weight? })).collect();
+        let faces = surface.places().zip(0..).zip(weights);
+        let face = |((corners, index), weight): (_, Option<f64>)| Some(Face { corners, index, weight: weight? });
+        let triangles: Vec<_> = faces.filter_map(face).collect();
         let mut tree = Self { nodes: Vec::with_capacity(triangles.len()), triangles };
         tree.grow(0, tree.triangles.len());
         tree
@@ -68,7 +71,7 @@ impl Tree {
         let high = corners().fold(DVec3::NEG_INFINITY, DVec3::max);
         let areas = triangles
             .iter()
-            .map(|&Face { corners: [a, b, c], weight }| (0.5 * weight * (b - a).cross(c - a), (a + b + c) / 3.0));
+            .map(|&Face { corners: [a, b, c], weight, .. }| (0.5 * weight * (b - a).cross(c - a), (a + b + c) / 3.0));
         let (area, moment, total) = areas
             .fold((DVec3::ZERO, DVec3::ZERO, 0.0), |(area, moment, total), (own, middle)| {
                 (area + own, moment + own.length() * middle, total + own.length())
@@ -92,13 +95,19 @@ impl Tree {
 
     /// The point of the surface that is nearest to `x`; `None` where none is as near as `within`.
     pub(super) fn nearest(&self, x: DVec3, within: f64, looks: &mut Looks) -> Option<DVec3> {
+        self.nearest_face(x, within, looks).map(|(_, point)| point)
+    }
+
+    /// The point of the surface that is nearest to `x`, and the index of its triangle; `None` where none is as near as
+    /// `within`.
+    pub(crate) fn nearest_face(&self, x: DVec3, within: f64, looks: &mut Looks) -> Option<(u32, DVec3)> {
         let mut found = (None, within * within);
         self.search(0, x, &mut found, looks);
         found.0
     }
 
     /// Finds a nearer point, and the square of its distance, among a node's triangles.
-    fn search(&self, node: usize, x: DVec3, found: &mut (Option<DVec3>, f64), looks: &mut Looks) {
+    fn search(&self, node: usize, x: DVec3, found: &mut (Option<(u32, DVec3)>, f64), looks: &mut Looks) {
         looks.0 += 1;
         match self.nodes[node].kind {
             Kind::Leaf(first, end) => {
@@ -106,7 +115,7 @@ impl Tree {
                     let point = nearest(&face.corners, x);
                     let squared = x.distance_squared(point);
                     if squared < found.1 {
-                        *found = (Some(point), squared);
+                        *found = (Some((face.index, point)), squared);
                     }
                 }
             }
@@ -180,7 +189,7 @@ fn in_order(mut corners: [u32; 3]) -> ([u32; 3], i64) {
 }
 
 /// The point of a triangle that is nearest to `x` (Ericson 2005, Real-time collision detection, section 5.1.5).
-fn nearest(&[a, b, c]: &[DVec3; 3], x: DVec3) -> DVec3 {
+pub(super) fn nearest(&[a, b, c]: &[DVec3; 3], x: DVec3) -> DVec3 {
     let part = |from: f64, to: f64| if from + to > 0.0 { from / (from + to) } else { 0.0 };
     let (ab, ac) = (b - a, c - a);
     let (d1, d2) = (ab.dot(x - a), ac.dot(x - a));
