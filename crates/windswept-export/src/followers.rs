@@ -12,13 +12,14 @@
 //! their triangle, so that a rigid motion of all roots moves followers rigidly; and by the inverse square of the
 //! distance outside. At the start each follower has its own shape exactly, whatever the guides are: locks and curls do
 //! not average away. Its segments keep the lengths that they have there, by a second pass over its points
-//! (`lengths.rs`), and a follower that this leads into a body is laid on the body (`outside.rs`). Strands among the
-//! followers are left as the simulation has them.
+//! (`lengths.rs`). Where the group says so they gather to locks (`clump.rs`). A follower that this leads into a body is
+//! laid on the body (`outside.rs`). Strands among the followers are left as the simulation has them.
 //!
 //! Velocities are the derivative of the places, but for how the frames turn, which is nothing where weights average the
 //! roots, and for what a body changes.
 
 mod bonds;
+mod clump;
 mod ground;
 mod lengths;
 mod outside;
@@ -34,6 +35,7 @@ use crate::error::ExportError;
 use crate::strands::check_strands;
 
 use self::bonds::{Bond, Group};
+use self::clump::{Lock, Locks};
 use self::ground::{Ground, seat};
 use self::outside::Bodies;
 use self::places::{Places, spaces};
@@ -44,6 +46,8 @@ pub struct Followers {
     /// The followers at the start.
     start: HairFrame,
     bonds: Vec<Bond>,
+    /// The lock of each follower that gathers.
+    locks: Vec<Option<Lock>>,
     /// Followers of each group: how many, the index of its `[[hair]]`, and whether their shapes are a file's.
     groups: Vec<(usize, Option<usize>, bool)>,
     /// The strands at the start.
@@ -151,6 +155,7 @@ impl Followers {
         let mut made = Self {
             start: HairFrame { offsets: vec![0], ..HairFrame::default() },
             bonds: Vec::new(),
+            locks: Vec::new(),
             groups: Vec::new(),
             guides: start.clone(),
             hair: Vec::new(),
@@ -165,6 +170,16 @@ impl Followers {
                 None => {
                     let drawn = hair.and_then(|index| scene.hair[index].as_drawn());
                     made.between(&group, Ground::new(scene, drawn.map(|drawn| &drawn.roots)), &each)?;
+                }
+            }
+            if let Some((index, clump)) = hair.and_then(|index| Some((index, scene.hair[index].clump?))) {
+                let roots: Vec<Vec3> = group.range.clone().map(|s| root_of(start, s)).collect();
+                let seed = scene.hair[index].seed.unwrap_or(scene.seed);
+                let locks = Locks::new(clump, seed, group.range.start, &roots);
+                made.locks.resize(before, None);
+                for k in before..made.len() {
+                    let lock = locks.of(k - before, root_of(&made.start, k));
+                    made.locks.push(lock.filter(|_| !made.bonds[k].is_strand));
                 }
             }
             made.groups.push((made.len() - before, hair, file.is_some()));
@@ -324,7 +339,8 @@ impl Followers {
         let bodies = Bodies::of(&self.bodies, frame);
         let has_velocities = strands.velocities.len() == points;
         let mut hair = HairFrame { positions: Vec::with_capacity(self.start.positions.len()), ..self.start.clone() };
-        for (bond, ends) in self.bonds.iter().zip(self.start.offsets.windows(2)) {
+        let locks = self.locks.iter().copied().chain(std::iter::repeat(None));
+        for ((bond, ends), lock) in self.bonds.iter().zip(self.start.offsets.windows(2)).zip(locks) {
             let at_start = &self.start.positions[ends[0] as usize..ends[1] as usize];
             let parts = bond.guides.map(|s| {
                 let range = self.guides.offsets[s as usize] as usize..self.guides.offsets[s as usize + 1] as usize;
@@ -356,6 +372,11 @@ impl Followers {
                 let first = ends[0] as usize;
                 let velocities = hair.velocities.get_mut(first..).unwrap_or_default();
                 lengths::keep(at_start, &mut hair.positions[first..], velocities);
+                if let Some(lock) = lock {
+                    gather(strands, lock, &mut hair.positions[first..], &strands.positions);
+                    let velocities = hair.velocities.get_mut(first..).unwrap_or_default();
+                    gather(strands, lock, velocities, &strands.velocities);
+                }
                 bodies.keep_out(&mut hair.positions[first..]);
             }
         }
@@ -368,6 +389,18 @@ impl Followers {
     /// As [`Self::of`].
     pub fn frame(&self, frame: &Frame) -> Result<Frame, ExportError> {
         Ok(Frame { hair: self.of(frame)?, air: AirFrame::default(), bodies: frame.bodies.clone(), ..*frame })
+    }
+}
+
+/// Draws the points of a hair, or their velocities, to those of its lock's centre, which are in `all`.
+fn gather(strands: &HairFrame, lock: Lock, rows: &mut [[f32; 3]], all: &[[f32; 3]]) {
+    let range = strands.offsets[lock.centre as usize] as usize..strands.offsets[lock.centre as usize + 1] as usize;
+    let (first, last, count) = (range.start, (range.len() - 1) as f32, rows.len());
+    for (k, row) in rows.iter_mut().enumerate() {
+        let (a, b, part) = between(last, k, count);
+        let [a, b] = [a, b].map(|i| Vec3::from_array(all[first + i]));
+        let drawn = lock.strength * k as f32 / (count - 1) as f32;
+        *row = Vec3::from_array(*row).lerp(a.lerp(b, part), drawn).to_array();
     }
 }
 
@@ -454,6 +487,11 @@ fn parts(scene: &CheckedScene, strands: usize, groom: Option<&Curves>) -> Result
 /// The points of strand `s`.
 fn points_of(hair: &HairFrame, s: usize) -> &[[f32; 3]] {
     &hair.positions[hair.offsets[s] as usize..hair.offsets[s + 1] as usize]
+}
+
+/// The root of strand `s`.
+fn root_of(hair: &HairFrame, s: usize) -> Vec3 {
+    Vec3::from_array(hair.positions[hair.offsets[s] as usize])
 }
 
 /// Frame that clamps the root of a strand; where it is not known, the orientation of its first segment.

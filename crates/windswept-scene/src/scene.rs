@@ -13,7 +13,7 @@ pub use air::{Air, Bounds, CheckedAir, Gust, Inflow};
 pub(crate) use air::{check_size, rounded};
 pub use fluid::{CheckedFluid, CheckedInteraction, Fluid, FluidSolver, Interaction, Model};
 pub(crate) use hair::FRICTION;
-pub use hair::{Curl, Drawn, Fibre, GroomFile, Hair, HairSource, Moduli, Stiffness, StrandStiffness, Up};
+pub use hair::{Clump, Curl, Drawn, Fibre, GroomFile, Hair, HairSource, Moduli, Stiffness, StrandStiffness, Up};
 pub use rods::{CheckedRods, Integrator, Rods, Solver};
 pub use roots::{Cap, Patch, RootPatch, RootShape, Roots, Scalp};
 pub use turbulence::{Band, CheckedTurbulence, DirectFilter, Filter, GridFilter, Law, Turbulence};

@@ -289,3 +289,110 @@ fn followers_stay_out_of_a_body_that_moves() {
     let made = followers.frame(&frame(1.0)).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(made.hair.positions, at(1.0).positions);
 }
+
+/// A frame of a scene's strands at the start, the scene being these keys of `[hair]` and bodies.
+fn started(keys: &str, bodies: &str) -> (windswept_scene::CheckedScene, HairFrame) {
+    let text =
+        format!("time = {{ step = 1e-3, duration = 1 }}\ninteraction.model = \"none\"\n[hair]\n{keys}\n{bodies}");
+    let scene = Scene::parse(&text).and_then(|scene| scene.check()).unwrap_or_else(|error| panic!("{error}"));
+    let start = windswept_scene::InitialState::new(&scene).unwrap_or_else(|error| panic!("{error}")).hair;
+    let frame = HairFrame {
+        offsets: start.point_offsets.clone(),
+        positions: start.positions.iter().map(|x| x.as_vec3().to_array()).collect(),
+        velocities: start.positions.iter().map(|x| [x.y as f32, 2.0, x.x as f32]).collect(),
+        root_frames: start.root_frame.iter().map(|q| q.as_quat().to_array()).collect(),
+        ..HairFrame::default()
+    };
+    (scene, frame)
+}
+
+/// Followers are nearer to the nearest centre's strand than without a clump, by the strength times the part of the
+/// length; roots and strands stay, and noise is each hair's own, by the seed.
+#[test]
+fn followers_gather_to_the_nearest_centre() {
+    const SIZE: f32 = 0.008;
+    let made = |clump: &str| {
+        let keys = format!(
+            "strands = 150\npoints = 6\nlength = 0.06\ncurl = {{ radius = 0.004, pitch = 0.03 }}\n{clump}\n\
+             roots = {{ shape = \"disc\", center = [0.1, 0.2, 0.3], radius = 0.03, direction = [1, 0.2, 0] }}"
+        );
+        let (scene, frame) = started(&keys, "");
+        let followers = Followers::about(&scene, &frame, None, 2000).unwrap_or_else(|error| panic!("{error}"));
+        let hair = followers.of(&shot(&frame, 0.0)).unwrap_or_else(|error| panic!("{error}"));
+        (frame, hair)
+    };
+    let clump = |noise: f32, seed: u32| {
+        made(&format!("clump = {{ size = {SIZE}, strength = 0.7, noise = {noise} }}\nseed = {seed}"))
+    };
+    let ((strands, loose), (_, even), (_, noisy)) = (made("seed = 5"), clump(0.0, 5), clump(0.5, 5));
+    assert_eq!(clump(0.5, 5).1, noisy);
+    let roots: Vec<Vec3> = (0..150).map(|s| root_of(&strands, s)).collect();
+    let mut centres: Vec<usize> = Vec::new();
+    for s in 0..150 {
+        if centres.iter().all(|&c| roots[c].distance(roots[s]) >= SIZE) {
+            centres.push(s);
+        }
+    }
+    // Measured 28; discs of half the size fill 2827 mm² by 56, at most.
+    assert!((20..57).contains(&centres.len()), "{}", centres.len());
+    type Rows = fn(&HairFrame) -> &[[f32; 3]];
+    let both: [Rows; 2] = [|hair| &hair.positions, |hair| &hair.velocities];
+    let far = |hair: &HairFrame, s: usize, k: usize, centre: usize, rows: Rows| {
+        let [a, b] = [rows(hair)[hair.offsets[s] as usize + k], rows(&strands)[6 * centre + k]].map(Vec3::from_array);
+        a - b
+    };
+    let mut parts = Vec::new();
+    for s in 0..2000 {
+        let root = root_of(&loose, s);
+        assert_eq!(root_of(&noisy, s), root);
+        if loose.guides[s] {
+            assert_eq!((points_of(&even, s), points_of(&noisy, s)), (points_of(&loose, s), points_of(&loose, s)));
+            continue;
+        }
+        let near = |&&c: &&usize| roots[c].distance(root);
+        let nearest = centres.iter().min_by(|a, b| near(a).total_cmp(&near(b)));
+        let centre = *nearest.unwrap_or_else(|| panic!("no centre"));
+        for k in 0..6 {
+            let rest = 1.0 - 0.7 * k as f32 / 5.0;
+            for rows in both {
+                let (was, is) = (far(&loose, s, k, centre, rows), far(&even, s, k, centre, rows));
+                // Round-off of coordinates of 0.4 m, and of speeds of 2 m/s.
+                assert!((is - rest * was).length() < 1e-6, "hair {s}, point {k}: {was} became {is}");
+            }
+        }
+        let part = far(&noisy, s, 5, centre, both[0]).length() / far(&loose, s, 5, centre, both[0]).length();
+        parts.push((1.0 - part) / 0.7);
+    }
+    let mean = parts.iter().sum::<f32>() / parts.len() as f32;
+    // Evenly from half of the strength to all of it; the mean of 1850 such numbers is 0.75 to 0.0034.
+    assert!(parts.iter().all(|part| (0.499..1.001).contains(part)) && (mean - 0.75).abs() < 0.015, "{mean}");
+    assert_ne!(clump(0.5, 6).1.positions, noisy.positions);
+}
+
+/// A way to the centre that leads through a body leads around it.
+#[test]
+fn locks_stay_outside_bodies() {
+    let roots = "roots = { shape = \"sphere_cap\", center = [0, 0, 0], radius = 0.03 }";
+    let keys = |clump: &str| format!("strands = 20\npoints = 12\nlength = 0.06\n{clump}\n{roots}");
+    let (scene, mut frame) =
+        started(&keys("clump = { size = 0.1, strength = 1.0 }"), "[[body]]\ncenter = [0, 0, 0]\nradius = 0.03");
+    // Hair lies on the ball, down from its root: hairs of opposite sides are far from the centre's.
+    for s in 0..20 {
+        let root = root_of(&frame, s);
+        let down = Vec3::NEG_Y.reject_from_normalized(root.normalize()).normalize_or(Vec3::X);
+        for k in 0..12 {
+            let angle = 0.06 / 0.03 * k as f32 / 11.0;
+            frame.positions[12 * s + k] = (angle.cos() * root + 0.0301 * angle.sin() * down).to_array();
+        }
+    }
+    let followers = Followers::about(&scene, &frame, None, 400).unwrap_or_else(|error| panic!("{error}"));
+    let hair = followers.of(&shot(&frame, 0.0)).unwrap_or_else(|error| panic!("{error}"));
+    let deepest = hair.positions.iter().map(|x| 0.03 - Vec3::from_array(*x).length()).fold(0.0, f32::max);
+    // [m]; measured 1.0e-5, a quarter of a hair's radius.
+    assert!(deepest < 2e-5, "{deepest}");
+    let centre = points_of(&hair, 0)[11];
+    let near = (0..400)
+        .filter(|&s| Vec3::from_array(points_of(&hair, s)[11]).distance(Vec3::from_array(centre)) < 0.02)
+        .count();
+    assert!(near > 100, "{near} of 400 tips are near the centre's");
+}

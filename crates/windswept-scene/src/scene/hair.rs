@@ -37,6 +37,8 @@ table! {
         /// Factor of the stiffness to bend and twist along the strands, linear between its pairs: stiffer roots are
         /// `[[0, 4], [0.3, 1]]`.
         stiffness: Option<Profile> = Kind::Profile, "", Derived("1 from root to tip");
+        /// Locks that the hairs gather to which follow the strands, in pictures and films.
+        clump: Option<Clump> = Table, "", Derived("they do not gather");
         /// Coulomb's coefficient of friction of the strands on other strands, of a pair the smaller one; two-way only.
         friction: f64 = NonNegative, "", Value(FRICTION);
         /// Hold of the roots: in place and direction, in place, not at all.
@@ -207,6 +209,20 @@ table! {
     }
 }
 
+table! {
+    /// Locks: some strands are their centres, and hairs that follow are drawn to the nearest of them.
+    #[derive(Debug, Clone, Copy, PartialEq)]
+    pub struct Clump {
+        /// Distance from each centre's root to the next.
+        size: f64 = Length, "m", Required;
+        /// Part of the way to its centre that a hair's tip is drawn; its root stays, and between them the part grows with
+        /// the length.
+        strength: f64 = Kind::Within(0.0, 1.0), "", Value(0.8);
+        /// Part of the strength that hairs go without at most, drawn at random.
+        noise: f64 = Fraction, "", Value(0.0);
+    }
+}
+
 impl Hair {
     /// Name of a group that says none.
     pub(crate) const NAME: &str = "hair";
@@ -268,7 +284,8 @@ impl Hair {
     fn of(source: HairSource) -> Self {
         let (root, tip) = (End::Clamped, End::Free);
         let (name, fibre, motion) = (Self::NAME.to_owned(), Fibre::default(), Motion::default());
-        Self { name, source, fibre, stiffness: None, friction: FRICTION, root, tip, seed: None, body: None, motion }
+        let (stiffness, clump) = (None, None);
+        Self { name, source, fibre, stiffness, clump, friction: FRICTION, root, tip, seed: None, body: None, motion }
     }
 
     /// The point that the roots' motion turns about \[m\]: in a checked scene that of their body, if they have one, else
