@@ -20,6 +20,7 @@ __all__ = [
     "Cap",
     "Capsule",
     "Change",
+    "Clump",
     "Curl",
     "DirectFilter",
     "Disc",
@@ -148,6 +149,21 @@ class Scalp(Table):
     """
 
 
+class Clump(Table):
+    """Locks that the hairs gather to which follow the strands, in pictures and films: `[hair.clump]`."""
+
+    _path = "hair.clump"
+
+    size: Key[float, float] = key()
+    """Distance from each centre's root to the next. A length in metres greater than 0. Needed."""
+    strength: Key[float, float] = key(default=0.8)
+    """Part of the way to its centre that a hair's tip is drawn; its root stays, and between them the part grows with
+    the length. A number above 0, at most 1. Default 0.8.
+    """
+    noise: Key[float, float] = key(default=0.0)
+    """Part of the strength that hairs go without at most, drawn at random. A number from 0 to below 1. Default 0.0."""
+
+
 class Keyframe(Table):
     """Keyframes of the roots, about the centre of their shape, or about the origin of a groom file; not with a body:
     `[hair.motion]`. Keyframes of the body, about its centre, or about the origin of its mesh file: `[body.motion]`.
@@ -256,6 +272,14 @@ class Hair(Table):
     point_mass: Key[float | None, float | None] = key(default=None)
     """Mass of every point; the paper's is 1.46e-7. A number greater than 0 [kg]. Without it: half of each adjoining
     segment's mass.
+    """
+    stiffness: Key[list[list[float]] | None, ArrayLike | None] = key(default=None, kind="pairs")
+    """Factor of the stiffness to bend and twist along the strands, linear between its pairs: stiffer roots are [[0, 4],
+    [0.3, 1]]. Pairs [part of the length, factor] with parts from 0 to 1 that rise and factors above 0. Without it: 1
+    from root to tip.
+    """
+    clump: Key[Clump | None, Clump | None] = key(default=None, of=Clump, kind="table")
+    """Locks that the hairs gather to which follow the strands, in pictures and films. Without it: they do not gather.
     """
     friction: Key[float, float] = key(default=0.3)
     """Coulomb's coefficient of friction of the strands on other strands, of a pair the smaller one; two-way only. A
@@ -694,10 +718,12 @@ class Rods(Table):
 
 
 class Camera(Table):
-    """Camera that pictures are taken with: `[camera]`."""
+    """Cameras; several as [[camera]], each with a name. A run's pictures are taken with the first: `[camera]`."""
 
     _path = "camera"
 
+    name: Key[str, str] = key(default="camera")
+    """Name of the camera, for dotted keys and to choose it by. A string. Default "camera"."""
     eye: Key[NDArray[float64] | None, ArrayLike | None] = key(default=None, kind="vector")
     """Place of the camera; eye and target go together. Three numbers, [x, y, z] [m]. Without it: frames the hair."""
     target: Key[NDArray[float64] | None, ArrayLike | None] = key(default=None, kind="vector")
@@ -779,8 +805,10 @@ class Scene(SceneTable):
     """XSPH viscosity (eqs. 7, 8). Without it: its defaults."""
     rods: Key[Rods, Rods] = key(factory=Rods, of=Rods, kind="table")
     """Cosserat rods. Without it: its defaults."""
-    camera: Key[Camera, Camera] = key(factory=Camera, of=Camera, kind="table")
-    """Camera that pictures are taken with. Without it: its defaults."""
+    camera: Key[list[Camera], Camera | Sequence[Camera]] = key(factory=list, of=Camera, kind="tables")
+    """Cameras; several as [[camera]], each with a name. A run's pictures are taken with the first. Without it: one that
+    frames the hair.
+    """
     picture: Key[Picture, Picture] = key(factory=Picture, of=Picture, kind="table")
     """Contents of pictures. Without it: its defaults."""
     change: Key[list[Change], Change | Sequence[Change]] = key(factory=list, of=Change, kind="tables")
