@@ -120,7 +120,7 @@ fn distances_are_to_the_sides_of_boxes_and_planes() {
         (Body::plane([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]), DVec3::new(-3.0, 2.5, 1.0), 4.0),
     ] {
         let body = CheckedBody { name: String::new(), shape: checked(body), friction: 0.0, motion: Motion::default() };
-        assert_close(body.placed(&pose).signed_distance(x).0, distance, "moved distance");
+        assert_close(body.placed(&pose, 0.0).signed_distance(x).0, distance, "moved distance");
     }
     assert_eq!([block.inradius(), ramp.inradius()], [1.0, 0.1]);
     assert_eq!(block.bounds(), [DVec3::new(-1.0, -1.0, -3.0), DVec3::new(3.0, 1.0, 3.0)]);

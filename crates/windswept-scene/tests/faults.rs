@@ -105,7 +105,7 @@ const FAULTS: &[(&str, &str, usize, &str, &[&str])] = &[
     ("[air]", "[viscosity]\nsmagorinsky = 0.1\n[fluid]\nsolver = \"pbf\"\n[air]", 12, "viscosity.smagorinsky", &["expected 0: fluid.solver is \"pbf\""]),
     ("[air]", "[viscosity]\nkinematic_hair = 1e-5\nhair = 0.1\n[air]", 12, "viscosity.kinematic_hair", &["expected one of them"]),
     ("[air]", "[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 0]\nfov = 190\n[air]", 14, "camera.0.fov", &["below 180"]),
-    ("[air]", "[[camera]]\nname = \"a\"\n[[camera]]\nname = \"a\"\n[air]", 13, "camera.1.name", &["\"a\" a second time"]),
+    ("[air]", "[[camera]]\nname = \"a\"\n[[camera]]\nname = \"a\"\n[air]", 14, "camera.1.name", &["\"a\" a second time"]),
     ("[air]", "[camera]\neye = [0, 0, 1]\n[air]", 11, "camera.0.target", &["is missing"]),
     ("[air]", "[camera]\nwidth = 90\ntarget = [0, 0, 1]\n[air]", 11, "camera.0.eye", &["is missing"]),
     ("[air]", "[camera]\neye = [0, 0, 1]\ntarget = [0, 0, 1]\n[air]", 13, "camera.0.target", &["same point as camera.eye"]),
