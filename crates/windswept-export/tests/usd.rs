@@ -67,7 +67,7 @@ fn read_back(folder: &Path, frames: usize) {
     let ends = |frame: &Frame| {
         let bodies = scenery().bodies.into_iter().zip(&frame.bodies);
         let both = |(body, pose): (CheckedBody, &Pose)| {
-            let placed = body.placed(pose);
+            let placed = body.placed(pose, frame.time);
             let Form::Round(shape) = placed.form() else { panic!("a mesh") };
             [shape.low, shape.high].map(|end| shape.center + shape.rotation * end)
         };
