@@ -225,6 +225,7 @@ const UNSEEN: &[(&str, &str)] = &[
     ("hair.roots.body", "a mesh: windswept-scene/tests/solids.rs"),
     ("hair.roots.group", "a mesh"),
     ("body.file", "a mesh"),
+    ("body.frames", "a mesh"),
     ("body.scale", "a mesh"),
     ("body.up", "a mesh"),
     ("body.resolution", "a mesh"),

@@ -38,6 +38,40 @@ def test_a_body_goes_where_it_is_set(scene):
             sim.set_body(*arguments)
 
 
+def test_a_mesh_deforms(scene, tmp_path):
+    corners = np.array([[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]])
+    points = np.array([[0.06, 0, 0.01], [0.09, 0, 0.01], [0.06, 0.03, 0.01], [0.06, 0, 0.04]])
+    grown = points + [[0, 0, 0], [0.003, 0, 0], [0, 0.002, 0], [0, 0, 0]]
+    ws.write_mesh(tmp_path / "stone.obj", points, corners)
+    ws.write_frames(tmp_path / "stone.npz", [points, grown], corners, [0, 10 * scene.time.step])
+
+    def with_body(**keys):
+        mesh = ws.MeshFile(scale=1.0, resolution=1e-3, **keys)
+        return scene.replace(body=ws.Body(name="stone", shape=mesh))
+
+    by_hand = ws.Simulation(with_body(file=str(tmp_path / "stone.obj")))
+    for k in range(1, 11):
+        by_hand.set_body("stone", vertices=points + 0.1 * k * (grown - points))
+        by_hand.step()
+    by_file = ws.Simulation(with_body(frames=str(tmp_path / "stone.npz")))
+    by_file.step(10)
+    assert np.abs(by_hand.hair.positions - by_file.hair.positions).max() < 1e-4
+    for arguments, words in [
+        (dict(vertices=points[:3]), "vertices: expected 4 rows, found 3"),
+        (dict(vertices=points, translation=[0, 0, 0]), "vertices: expected no pose"),
+        (dict(translation=[0, 0, 0]), "deforms: expected vertices"),
+    ]:
+        with pytest.raises(ValueError, match=words):
+            by_hand.set_body("stone", **arguments)
+    for poses, times, words in [
+        ([points, grown[:3]], [0, 1], "positions: expected"),
+        ([points, grown], [0, 0], "times: expected"),
+        ([points], [0, 1], "times: expected"),
+    ]:
+        with pytest.raises(ValueError, match=words):
+            ws.write_frames(tmp_path / "bad.npz", poses, corners, times)
+
+
 def test_forces_on_hair(scene):
     sim = ws.Simulation(scene)
     sim.step(5)

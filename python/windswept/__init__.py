@@ -39,7 +39,7 @@ from windswept._native import (
     write_png,
 )
 from windswept.measures import measure
-from windswept.meshes import write_mesh
+from windswept.meshes import write_frames, write_mesh
 from windswept.report import Report
 from windswept.scene import *
 
@@ -75,6 +75,7 @@ __all__ = [
     "scene",
     "sweep",
     "usd",
+    "write_frames",
     "write_mesh",
     "write_png",
 ]

@@ -376,22 +376,25 @@ class Simulation:
     def set_body(
         self,
         name: str,
-        translation: _Array,
+        translation: _Array | None = None,
         rotation: _Array | None = None,
         *,
         velocity: _Array | None = None,
         angular_velocity: _Array | None = None,
+        vertices: _Array | None = None,
     ) -> None:
         """Moves a body of the scene, in place of its keyframes: at the end of the next step it has this pose, and keeps it
-        until it is moved again. Hair on the body goes with it.
+        until it is moved again. A mesh may deform instead, by the places of its points. Hair on the body goes with it.
 
         Args:
             name: of the body.
-            translation: `(3,)` [m], at most 1e18, from where the scene has the body without a motion.
+            translation: `(3,)` [m], at most 1e18, from where the scene has the body without a motion; None: none.
             rotation: quaternion x, y, z, w of a length above 1e-6, about the body's centre, a mesh's the origin of its file;
                 None: none.
             velocity: `(3,)` [m/s]; with it the body jumps there instead of coming evenly from where it is.
             angular_velocity: `(3,)` [rad/s], as `velocity`.
+            vertices: `(n, 3)` [m], in place of all these: where the points of a mesh are, in the order of its file. It
+                comes there evenly.
 
         Raises:
             ValueError: there is no such body, or names the argument that does not fit.

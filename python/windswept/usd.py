@@ -2,6 +2,7 @@
 
     ws.usd.to_npz("groom.usdc", "groom.npz")
     groom = ws.Groom.load("groom.npz", strands=2000)
+    ws.usd.mesh_to_npz("body.usdc", "body.npz")    # a mesh that deforms, for body.frames
 
 Blender makes USD of an Alembic file, without a window:
 
@@ -25,8 +26,9 @@ from numpy.typing import NDArray
 
 from ._curves import Weights, b_spline, bezier, bezier_of_hermite, nurbs, varying
 from ._curves import vertices as through
+from .meshes import write_frames
 
-__all__ = ["to_npz"]
+__all__ = ["mesh_to_npz", "to_npz"]
 
 #: What other programs call what a curve has; of several the first.
 _NAMES = {
@@ -99,6 +101,66 @@ def to_npz(path: str | PathLike[str], out: str | PathLike[str], time: float | No
     with open(out, "wb") as file:
         np.savez(file, **arrays)
     return len(arrays["offsets"]) - 1
+
+
+def mesh_to_npz(path: str | PathLike[str], out: str | PathLike[str], prim: str | None = None) -> int:
+    """Writes the poses of a mesh of a USD file for `body.frames`: one for each time sample of its points or of where it is.
+
+    Polygons are cut into fans of triangles, points are where they are in the world, and time codes become seconds from the first on.
+    The unit comes along, and what is up becomes +Y.
+
+    Args:
+        path: the file: .usd, .usda, .usdc or .usdz.
+        out: the file, whose name ends in .npz; one that is there is replaced.
+        prim: path of the mesh in the stage; None: the only one.
+
+    Returns:
+        How many poses there are.
+
+    Raises:
+        ModuleNotFoundError: usd-core is not installed.
+        ValueError: the file cannot be read, has no such mesh or several, or the number of the mesh's points changes.
+    """
+    Usd, UsdGeom, _ = _library()
+    with _errors_of_usd(path):
+        stage = Usd.Stage.Open(str(path))
+        meshes = [own for own in stage.Traverse() if own.IsA(UsdGeom.Mesh) and prim in (None, str(own.GetPath()))]
+        if len(meshes) != 1:
+            found = [str(own.GetPath()) for own in stage.Traverse() if own.IsA(UsdGeom.Mesh)]
+            wanted = "one mesh, or prim" if prim is None else f"a mesh {prim}"
+            raise ValueError(f"{path}: expected {wanted}, found {_listed(found) if found else 'no mesh'}")
+        mesh = UsdGeom.Mesh(meshes[0])
+        codes = {*mesh.GetPointsAttr().GetTimeSamples()}
+        own = meshes[0]
+        while own:
+            if own.IsA(UsdGeom.Xformable):
+                codes |= {*UsdGeom.Xformable(own).GetTimeSamples()}
+            own = own.GetParent()
+        samples = sorted(codes) or [Usd.TimeCode.Default()]
+        poses = []
+        for code in samples:
+            points = np.asarray(mesh.GetPointsAttr().Get(code), dtype=np.float64).reshape(-1, 3)
+            place = np.asarray(UsdGeom.Xformable(meshes[0]).ComputeLocalToWorldTransform(code), dtype=np.float64)
+            poses.append(points @ place[:3, :3] + place[3, :3])
+        counts = np.asarray(mesh.GetFaceVertexCountsAttr().Get(samples[0]), dtype=np.int64)
+        indices = np.asarray(mesh.GetFaceVertexIndicesAttr().Get(samples[0]), dtype=np.int64)
+        left = mesh.GetOrientationAttr().Get() == UsdGeom.Tokens.leftHanded
+        rate = stage.GetTimeCodesPerSecond()
+        unit = UsdGeom.GetStageMetersPerUnit(stage)
+        z_up = UsdGeom.GetStageUpAxis(stage) == UsdGeom.Tokens.z
+    if len({len(points) for points in poses}) != 1:
+        raise ValueError(f"{path}: {meshes[0].GetPath()} has {sorted({len(points) for points in poses})} points: expected one number")
+    places = np.stack(poses)
+    if z_up:
+        places = np.stack([places[..., 0], places[..., 2], -places[..., 1]], axis=-1)
+    starts = np.cumsum(counts) - counts
+    fans = [(first, first + k, first + k + 1) for first, count in zip(starts, counts, strict=True) for k in range(1, count - 1)]
+    triangles = indices[np.array(fans, dtype=np.int64).reshape(-1, 3)]
+    if left:
+        triangles = triangles[:, ::-1]
+    times = [(float(code) - float(samples[0])) / rate for code in samples] if codes else [0.0]
+    write_frames(out, places, triangles, times, unit)
+    return len(poses)
 
 
 def _library() -> tuple[ModuleType, ModuleType, ModuleType]:

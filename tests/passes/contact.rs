@@ -225,7 +225,7 @@ fn place_is_that_of_the_reference() {
         fixture.run_only(&["forcing/bodies"], step::forcing::record);
         let placed = fixture.engine.read(&fixture.engine.state().placed).unwrap();
         for (got, wanted) in placed.iter().zip(contact::place(&fixture.parameters, steps.into())) {
-            let contact::Placed { body, before, after } = wanted;
+            let contact::Placed { body, before, after, .. } = wanted;
             let middle = body.shape.center();
             worst = worst.max(xyz(&got.center_before).distance(before.out(middle)));
             let placed = points_of(&body.shape).map(|(own, x)| placed_point(got, own).distance(after.out(x)));

@@ -5,7 +5,7 @@ use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept::{
     Gpu,
-    internals::{Array, Engine, Plan, Recorder, Recording, Setup, Slots},
+    internals::{Array, Engine, Plan, Poses, Recorder, Recording, Setup, Slots},
 };
 use windswept_reference::{
     Parameters, State as Reference,
@@ -27,6 +27,8 @@ pub struct Fixture {
     pub plan: Plan,
     pub reference: Reference,
     pub parameters: Parameters,
+    /// Poses of bodies that deform.
+    poses: Poses,
 }
 
 /// Vector of the first three numbers of a vector in a struct.
@@ -57,7 +59,14 @@ impl Fixture {
         for x in reference.position.iter_mut().chain(&mut reference.tip_targets) {
             *x = x.as_vec3().as_dvec3();
         }
-        Self { engine, plan, reference, parameters }
+        let mut poses = Poses::new(&scene, initial);
+        poses.bring(&engine, 0).unwrap();
+        Self { engine, plan, reference, parameters, poses }
+    }
+
+    /// Brings the poses to the device that bodies go between in the next step.
+    pub fn bring_poses(&mut self) {
+        self.poses.bring(&self.engine, self.reference.steps as u32).unwrap();
     }
 
     fn recorded(&self, record: impl FnOnce(&mut Recorder<'_>, &Plan)) -> Recording {

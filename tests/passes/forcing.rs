@@ -22,7 +22,7 @@ use crate::{
     contact::bodies_apart,
     fixture::{Fixture, each, quaternion, relative, stirred, xyz},
     hair::{any, ends, motion, scene_of, set_roots, strands},
-    steps::{DIVERGENCE, FIELDS, FOLLOWS, Fault, LIGHT_HAIR, PARTICLES, PINNED, PRESSED_HAIR, PUSHED},
+    steps::{DEFORMING, DIVERGENCE, FIELDS, FOLLOWS, Fault, LIGHT_HAIR, PARTICLES, PINNED, PRESSED_HAIR, PUSHED},
     support,
     walk::{Both, EXACT, FRAME, LENGTH, MULTIPLIER, Row, SPEED, WIND, apart, differing, largest, numbers_apart},
     walls::walls_apart,
@@ -42,6 +42,8 @@ pub const ROWS: &[Row] = &[
     ("forcing/reset", |b| b.hair(&b.state().velocity, &b.s.velocity), SPEED),
     ("forcing/carry", |b| b.hair(&b.state().velocity, &b.s.velocity), SPEED),
     ("forcing/carry", histories_apart, SPEED),
+    ("forcing/bonds", |b| bonds_apart(b)[0], LENGTH),
+    ("forcing/bonds", |b| bonds_apart(b)[1], FRAME),
     ("forcing/roots", |b| drives_apart(b.fixture, b.w).0, LENGTH),
     ("forcing/roots", |b| drives_apart(b.fixture, b.w).1, FRAME),
     ("forcing/roots", |b| b.states(), EXACT),
@@ -107,6 +109,17 @@ fn pins_apart(b: &Both<'_>) -> f64 {
     }))
 }
 
+/// Largest difference of where roots that are bound to triangles are to be \[m\], and of their frames.
+fn bonds_apart(b: &Both<'_>) -> [f64; 2] {
+    let targets = b.read(&b.state().root_targets);
+    let bound = targets.iter().enumerate().filter_map(|(s, got)| Some((got, forcing::bonds(b.p(), b.s, s)?)));
+    bound.fold([0.0; 2], |[far, turned], (got, (x, frame))| {
+        let own = quaternion(got.frame);
+        let apart = (own - frame).length().min((own + frame).length());
+        [far.max(xyz(&got.position).distance(x)), turned.max(apart)]
+    })
+}
+
 fn strengths_apart(b: &Both<'_>) -> f64 {
     let strength = |field| forcing::field_strengths(b.p(), field, b.s.steps + 1);
     let wanted: Vec<_> = b.p().fields.iter().map(strength).collect();
@@ -126,6 +139,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::forcing::RESET, PARTICLES, &[57, 35]),
     (&shaders::forcing::ROOTS, PARTICLES, &[53]),
     (&shaders::forcing::PINS, PINNED, &[4]),
+    (&shaders::forcing::BONDS, DEFORMING, &[3]),
     (&shaders::forcing::HAIR_DRIFT, LIGHT_HAIR, &[16]),
     (&shaders::forcing::FRINGE_DEFICIT, PARTICLES, &[12]),
     (&shaders::reduce::TOTAL, &["turbulence={bands=[]}"], &[1]),

@@ -2,12 +2,12 @@
 
 use std::collections::BTreeSet;
 
-use glam::DVec3;
+use glam::{DQuat, DVec3};
 use windswept::{
     Accelerations, Frame, Gpu, ShaderVariant, Simulation,
     internals::{with_sources, with_variant},
 };
-use windswept_scene::{InitialState, Pinned, Scene, Strands};
+use windswept_scene::{CheckedShape, InitialState, Pinned, Scene, Shape, Solid, Strands};
 use windswept_shaders::{self as shaders, PASSES, Pass};
 
 use crate::{
@@ -142,6 +142,16 @@ pub const FOLLOWS: &[&str] = &[
     "body=[{name='a',center=[0.06,0.13,0.03],radius=0.012,motion=[{time=0},{time=0.002,translation=[0.002,0,0]},\
     {time=0.02,translation=[0.002,0.02,0]}]},{name='b',center=[0.03,0.15,0.02],radius=0.008}]",
 ];
+/// Setting of a scene whose body is a mesh that deforms, from pose to pose within three steps, with hair on it.
+const DEFORM: &str = "title='deforming'";
+/// Settings with hair on a body that deforms among air.
+pub const DEFORMING: &[&str] = &[
+    DEFORM,
+    "interaction.model=two-way",
+    "fluid.solver=divergence",
+    "body=[{name='a',center=[0.06,0.13,0.03],radius=0.012}]",
+    "hair.body='a'",
+];
 /// Settings of the method as printed.
 pub const PUBLISHED: &[&str] = &["method=published"];
 /// Settings with two bodies: one tumbles, one rests. Contacts that settle are remembered.
@@ -184,9 +194,26 @@ pub fn small(sets: &[&str]) -> Scene {
     Scene::parse_with("quick.toml", text, &sets).unwrap()
 }
 
+/// The scene with its ball as a mesh that is squeezed, turns and goes.
+fn deforming(mut scene: Scene) -> Scene {
+    let Shape::Sphere(ball) = scene.bodies[0].shape else { panic!("expected a ball") };
+    let middle = DVec3::from_array(ball.center);
+    let shape = CheckedShape::sphere([0.0; 3], ball.radius).surface(12, 16);
+    let times: Vec<f64> = (0..8).map(|k| 2.5 * scene.time.step * f64::from(k)).collect();
+    let pose = |time: &f64| {
+        let wide = DVec3::new(1.0 + 20.0 * time, 1.0 - 15.0 * time, 1.0);
+        let turn = DQuat::from_rotation_y(20.0 * time);
+        shape.points.iter().map(|x| middle + turn * (wide * *x) + DVec3::new(0.0, -0.3 * time, 0.0)).collect()
+    };
+    let poses: Vec<Vec<DVec3>> = times.iter().map(pose).collect();
+    scene.bodies[0].shape = Solid::deforming(times, &poses, shape.corners.clone(), Some(1e-3)).unwrap().into();
+    scene
+}
+
 /// Walks `steps` steps; `Err` names the first step and pass that part, and by how much.
 fn steps_of_both(gpu: &Gpu, sets: &[&str], bounds: &Bounds, steps: u32) -> Result<Worst, String> {
     let scene = small(sets);
+    let scene = if sets.contains(&DEFORM) { deforming(scene) } else { scene };
     let mut initial = InitialState::new(&scene).unwrap();
     if sets.contains(&"hair.strands=1") {
         // This scene is of air alone.
@@ -311,7 +338,14 @@ fn steps_are_those_of_the_reference() {
         let steps = match sets {
             _ if sets == FIELDS => STEPS_OF_FIELDS,
             _ if sets == FIELDS_BEHIND_HAIR => STEPS_OF_FIELDS_BEHIND_HAIR,
-            _ if sets == BODIES || sets == PINNED || sets == STARTED || sets.starts_with(WALLS) => STEPS_OF_BODIES,
+            _ if sets == BODIES
+                || sets == PINNED
+                || sets == DEFORMING
+                || sets == STARTED
+                || sets.starts_with(WALLS) =>
+            {
+                STEPS_OF_BODIES
+            }
             _ if sets.contains(&EXCHANGE) => STEPS_OF_COUPLING,
             _ if sets == TAUT => STEPS_OF_TAUT_HAIR,
             _ if sets == THIN_BODY => STEPS_OF_THIN_BODY,

@@ -152,6 +152,7 @@ pub fn print(worst: &Worst) {
 
 /// Walks one step; the reference's state becomes what it arrived at.
 pub fn step_of_both(fixture: &mut Fixture, bounds: &Bounds, worst: &mut Worst) -> Same {
+    fixture.bring_poses();
     let mut s = fixture.reference.clone();
     let mut walk = Walk::new(fixture, bounds, step::record, worst);
     let ended = step_observed(&mut s, &fixture.parameters, &mut |pass, s, w| walk.see(pass, s, w));

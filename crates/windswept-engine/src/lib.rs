@@ -11,6 +11,7 @@ mod frame;
 pub mod gpu;
 pub mod ops;
 mod plan;
+mod poses;
 mod recorder;
 mod report;
 mod setup;
@@ -41,6 +42,7 @@ pub mod internals {
         aliasing::Aliasing,
         array::{AnyArray, Array, Index, Lifetime},
         engine::Engine,
+        poses::Poses,
         recorder::{Bindings, Command, Decision, Recorder, Recording},
         setup::Setup,
         slots::Slots,

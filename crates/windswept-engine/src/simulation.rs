@@ -8,7 +8,6 @@ mod energy;
 mod force;
 mod loads;
 mod measure;
-mod poses;
 mod recover;
 mod report;
 mod sample;
@@ -27,7 +26,6 @@ use bodies::Driven;
 pub use checkpoint::Checkpoint;
 pub use force::Accelerations;
 pub use loads::HairLoads;
-use poses::Poses;
 pub use sample::AirSample;
 
 use crate::{
@@ -35,6 +33,7 @@ use crate::{
     error::{Error, GpuError, RunError},
     frame::{AirFrame, Frame, HairFrame},
     gpu::{Gpu, Profile, Program, Span, wgpu},
+    poses::Poses,
     recorder::{Recorder, Recording},
     report::Reset,
     setup::Setup,

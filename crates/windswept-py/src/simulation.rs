@@ -319,28 +319,39 @@ impl Simulation {
     }
 
     /// Moves a body of the scene, in place of its keyframes: at the end of the next step it has this pose, and keeps it
-    /// until it is moved again. Hair on the body goes with it.
+    /// until it is moved again. A mesh may deform instead, by the places of its points. Hair on the body goes with it.
     ///
     /// Args:
     ///     name: of the body.
-    ///     translation: `(3,)` [m], at most 1e18, from where the scene has the body without a motion.
+    ///     translation: `(3,)` [m], at most 1e18, from where the scene has the body without a motion; None: none.
     ///     rotation: quaternion x, y, z, w of a length above 1e-6, about the body's centre, a mesh's the origin of its file;
     ///         None: none.
     ///     velocity: `(3,)` [m/s]; with it the body jumps there instead of coming evenly from where it is.
     ///     angular_velocity: `(3,)` [rad/s], as `velocity`.
+    ///     vertices: `(n, 3)` [m], in place of all these: where the points of a mesh are, in the order of its file. It
+    ///         comes there evenly.
     ///
     /// Raises:
     ///     ValueError: there is no such body, or names the argument that does not fit.
-    #[pyo3(signature = (name, translation, rotation=None, *, velocity=None, angular_velocity=None))]
+    #[pyo3(signature = (name, translation=None, rotation=None, *, velocity=None, angular_velocity=None, vertices=None))]
+    #[allow(clippy::too_many_arguments)] // as Python has them
     fn set_body(
         &self,
         py: Python<'_>,
         name: &str,
-        translation: &Bound<'_, PyAny>,
+        translation: Option<&Bound<'_, PyAny>>,
         rotation: Option<&Bound<'_, PyAny>>,
         velocity: Option<&Bound<'_, PyAny>>,
         angular_velocity: Option<&Bound<'_, PyAny>>,
+        vertices: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<()> {
+        if let Some(vertices) = vertices {
+            if [translation, rotation, velocity, angular_velocity].iter().any(Option::is_some) {
+                return Err(of_value("vertices", "expected no pose and no velocity beside them".to_owned()));
+            }
+            let vertices: Vec<DVec3> = rows("vertices", vertices)?.into_iter().map(DVec3::from_array).collect();
+            return self.run_engine(py, |sim| sim.set_body_vertices(name, &vertices));
+        }
         let three = |name: &str, value: Option<&Bound<'_, PyAny>>| {
             value.map(|value| triple(name, value).map(DVec3::from_array)).transpose()
         };
@@ -351,7 +362,7 @@ impl Simulation {
                 .map_err(|_| of_value("rotation", format!("expected shape (4,), found {}", shown(&shape))))
         });
         let pose = Pose {
-            translation: DVec3::from_array(triple("translation", translation)?),
+            translation: three("translation", translation)?.unwrap_or_default(),
             rotation: rotation.transpose()?.unwrap_or_default(),
         };
         let velocities = [three("velocity", velocity)?, three("angular_velocity", angular_velocity)?];

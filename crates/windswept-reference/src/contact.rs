@@ -2,11 +2,13 @@
 //! solved (`contact/hair.rs`). A body's distance is taken at rest, where the scene has it: a point beside the
 //! moved body is carried back there, and the normal is carried along.
 
+mod deformed;
 mod hair;
 
 use glam::{DQuat, DVec3};
-use windswept_scene::{CheckedScene, CheckedShape, InitialState, Motion};
+use windswept_scene::{CheckedScene, CheckedShape, InitialState, Motion, Solid};
 
+pub use self::deformed::Deformed;
 pub use self::hair::{Contact, Memory, Place, Surface, contacts, memories};
 pub(crate) use self::hair::{MIDDLE, Met, RECOVERY, UNEASY, meet, nearest, parted, renewed, resists, stiffness};
 use crate::{
@@ -78,13 +80,19 @@ pub struct Placed {
     pub before: Pose,
     /// Pose after the step.
     pub after: Pose,
+    /// Shape of a mesh that deforms.
+    pub deformed: Option<Deformed>,
 }
 
 impl Placed {
     /// The surface seen from a place after the step \[m\].
     #[must_use]
     pub fn surface(&self, x: DVec3) -> Surface {
-        let (distance, normal) = self.body.shape.signed_distance(self.after.back(x));
+        let back = self.after.back(x);
+        let (distance, normal) = match &self.deformed {
+            Some(mesh) => mesh.grid.signed_distance(back - self.after.center),
+            None => self.body.shape.signed_distance(back),
+        };
         Surface { normal: self.after.rotation * normal, distance }
     }
 
@@ -97,13 +105,20 @@ impl Placed {
     /// Way by which the body carries a place in the step \[m\]: 0 to the bit where the body rests.
     #[must_use]
     pub fn moves(&self, x: DVec3) -> DVec3 {
-        if self.before == self.after { DVec3::ZERO } else { self.after.out(self.before.back(x)) - x }
+        let rigid = if self.before == self.after { DVec3::ZERO } else { self.after.out(self.before.back(x)) - x };
+        rigid + self.deforms(x + rigid)
+    }
+
+    /// Move in the step of the surface near a place after it, by deforming \[m\].
+    fn deforms(&self, x: DVec3) -> DVec3 {
+        let own = |mesh: &Deformed| self.after.rotation * mesh.moved(self.after.back(x) - self.after.center);
+        self.deformed.as_ref().map_or(DVec3::ZERO, own)
     }
 
     /// Velocity of the body's own point that is at `x` after a step of `step` \[m/s\].
     #[must_use]
     pub fn velocity(&self, x: DVec3, step: f64) -> DVec3 {
-        (x - self.before.out(self.after.back(x))) / step
+        (x - self.before.out(self.after.back(x)) + self.deforms(x)) / step
     }
 
     /// Turn of the body in the step.
@@ -141,8 +156,11 @@ impl Body {
 #[must_use]
 pub fn place(p: &Parameters, steps: u64) -> Vec<Placed> {
     let (before, after) = (steps as f64 * p.step, (steps + 1) as f64 * p.step);
-    let each =
-        p.bodies.iter().map(|body| Placed { body: body.clone(), before: body.pose(before), after: body.pose(after) });
+    let each = p.bodies.iter().map(|body| {
+        let frames = body.shape.solid().and_then(Solid::frames);
+        let deformed = frames.map(|frames| Deformed::new(frames, before, after));
+        Placed { body: body.clone(), before: body.pose(before), after: body.pose(after), deformed }
+    });
     each.collect()
 }
 

@@ -1,6 +1,7 @@
 //! Stage `forcing`: strands that are bad are reset; clamps and bodies move; the wind enters; air moves, and hair drifts
 //! among it.
 
+mod bonds;
 mod fields;
 mod reset;
 
@@ -9,6 +10,7 @@ use std::f64::consts::PI;
 use glam::{DQuat, DVec3};
 use windswept_scene::{FluidSolver, InflowWave, Model};
 
+pub use self::bonds::{Bonded, bonded, bonds};
 pub(crate) use self::fields::fields;
 pub use self::fields::{Field, drive_air, field_strengths, force_field_velocity};
 pub(crate) use self::reset::FAR;
@@ -30,6 +32,7 @@ pub fn run(s: &State, p: &Parameters, see: &mut Observer<'_>) -> Scratch {
         new_velocity: s.velocity.clone(),
         ..Scratch::default()
     };
+    see("forcing/bonds", s, &w);
     see("forcing/roots", s, &w);
     w.predicted[..p.hair_points].iter_mut().enumerate().for_each(|(i, x)| *x = hair_drift(p, s, i));
     see("forcing/hair_drift", s, &w);
@@ -107,6 +110,7 @@ pub fn carry(s: &mut State, p: &Parameters) {
 #[must_use]
 pub fn roots(p: &Parameters, s: &State, strand: usize) -> StrandMotion {
     let (held, mut goal) = (s.clamps[strand], s.root_targets[strand]);
+    let bound = bonds(p, s, strand);
     let (mut tip_goal, mut tip_frame) = (s.tip_targets[strand], s.hair.ends(strand).tip_frame);
     let mut left = u64::from(p.substeps) - s.steps % u64::from(p.substeps);
     let group = s.hair.group.get(strand).and_then(|group| p.hair_motions.get(*group as usize));
@@ -115,7 +119,13 @@ pub fn roots(p: &Parameters, s: &State, strand: usize) -> StrandMotion {
         let (start, end) = (motion.at(0.0), motion.at((s.steps + 1) as f64 * p.step));
         let turn = end.rotation * start.rotation.conjugate();
         let carried = |x: DVec3| *center + end.translation + turn * (x - *center - start.translation);
-        goal = (carried(goal.0), (turn * goal.1).normalize());
+        goal = match bound {
+            // Bonds are in the body's own place.
+            Some((x, frame)) => {
+                (*center + end.translation + end.rotation * (x - *center), (end.rotation * frame).normalize())
+            }
+            None => (carried(goal.0), (turn * goal.1).normalize()),
+        };
         (tip_goal, tip_frame) = (carried(tip_goal), (turn * tip_frame).normalize());
         left = 1;
     }

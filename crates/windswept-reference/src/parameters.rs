@@ -118,6 +118,8 @@ pub struct Parameters {
     pub bodies: Vec<Body>,
     /// Motion of the roots of each group of hair, and the centre that it turns about \[m\].
     pub hair_motions: Vec<(Motion, DVec3)>,
+    /// Bonds of roots to bodies that deform.
+    pub bonds: Vec<Option<forcing::Bonded>>,
     /// Frame of `air.follows` at times, linear in between; empty where it stands still.
     pub frame: Vec<FrameEntry>,
     /// Strand of each hair point.
@@ -199,6 +201,7 @@ impl Parameters {
                 .iter()
                 .map(|hair| (scene.in_frame(&hair.motion), hair.center() - initial.origin))
                 .collect(),
+            bonds: forcing::bonded(scene, initial),
             frame: scene.frame_table(),
             strand_of: (0..initial.hair.len()).flat_map(|s| initial.hair.points(s).map(move |_| s)).collect(),
             hair_points: initial.hair.positions.len(),

@@ -109,7 +109,7 @@ impl Frames {
             before = fitted;
         }
         let bounds = bounds(&all);
-        let spacing = resolution.unwrap_or_else(|| DistanceGrid::spacing_for(bounds));
+        let spacing = resolution.unwrap_or_else(|| DistanceGrid::spacing_within(bounds, MOST));
         let lattice = Lattice::about(bounds, spacing, MARGIN * spacing);
         check_size(&lattice)?;
         let skin = Arc::new(Skin::new(&first));

@@ -163,12 +163,15 @@ impl DistanceGrid {
     /// has 128 cells, or for a side of up to 2 m so much more, in tenths of a millimetre, that the grid of a mesh's
     /// [`Solid`](crate::Solid) has at most [`MAX_GRID_VALUES`] nodes.
     #[must_use]
-    pub fn spacing_for([low, high]: [DVec3; 2]) -> f64 {
+    pub fn spacing_for(bounds: [DVec3; 2]) -> f64 {
+        Self::spacing_within(bounds, MAX_GRID_VALUES as f64)
+    }
+
+    /// As [`Self::spacing_for`], of a grid that has at most so many nodes.
+    pub(crate) fn spacing_within([low, high]: [DVec3; 2], most: f64) -> f64 {
         let size = high - low;
         let mut spacing = SPACING.min(size.max_element() / CELLS);
-        let fits = |spacing: f64| {
-            (cells(size, solid::MARGIN * spacing, spacing) + 1.0).element_product() <= MAX_GRID_VALUES as f64
-        };
+        let fits = |spacing: f64| (cells(size, solid::MARGIN * spacing, spacing) + 1.0).element_product() <= most;
         while size.max_element() <= *solid::LIKELY.end() && !fits(spacing) {
             spacing = (1e4 * spacing + 1.0).round() / 1e4;
         }

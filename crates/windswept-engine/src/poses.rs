@@ -20,7 +20,7 @@ type Pose = Arc<Vec<Vec3>>;
 
 /// Poses of all bodies that deform.
 #[derive(Debug, Default)]
-pub(super) struct Poses {
+pub struct Poses {
     bodies: Vec<Deforming>,
     bonds: Bonds,
     /// Corners of the triangles that roots are bound to, as the device has them.
@@ -47,7 +47,8 @@ struct Deforming {
 
 impl Poses {
     /// The poses of a scene's bodies, none of which is on the device.
-    pub(super) fn new(scene: &CheckedScene, initial: &InitialState) -> Self {
+    #[must_use]
+    pub fn new(scene: &CheckedScene, initial: &InitialState) -> Self {
         let bonds = Bonds::new(scene, initial);
         let mut poses = Self { bodies: Vec::new(), corners: vec![Corners::default(); 2 * bonds.bonds.len()], bonds };
         let motions = Motions::new(scene);
@@ -69,7 +70,7 @@ impl Poses {
 
     /// Lets a body go through other poses, by another motion, and says in which half of its values each body's first
     /// pose is.
-    pub(super) fn set(&mut self, scene: &CheckedScene, body: usize, motions: &Motions) -> Vec<u32> {
+    pub(crate) fn set(&mut self, scene: &CheckedScene, body: usize, motions: &Motions) -> Vec<u32> {
         if let (Some(own), Some(frames)) =
             (self.bodies.iter_mut().find(|own| own.body == body), bodies::frames(scene).nth(body).flatten())
         {
@@ -82,7 +83,10 @@ impl Poses {
     }
 
     /// Brings the poses to the device between which the step after `step` others ends.
-    pub(super) fn bring(&mut self, engine: &Engine, step: u32) -> Result<(), GpuError> {
+    ///
+    /// # Errors
+    /// [`GpuError`] when the device is lost.
+    pub fn bring(&mut self, engine: &Engine, step: u32) -> Result<(), GpuError> {
         let mut moved = false;
         for own in &mut self.bodies {
             let now = own.pose_at(own.key_after(step + 1));
@@ -116,7 +120,7 @@ impl Poses {
     }
 
     /// Steps after `step` others that need no other poses, at least one; `None` where none ever does.
-    pub(super) fn steps_left(&self, step: u32) -> Option<u64> {
+    pub(crate) fn steps_left(&self, step: u32) -> Option<u64> {
         self.bodies.iter().filter_map(|own| own.steps_left(step)).min()
     }
 }
