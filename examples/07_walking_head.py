@@ -45,13 +45,13 @@ roots = np.einsum("ik,ikj->ij", weights, corners[chosen])
 normals = across[chosen] / area[chosen, None]
 
 
-def save(name: str, rows: np.ndarray, goal: np.ndarray, length: float, points: int) -> None:
+def save(name: str, rows: np.ndarray, goal: np.ndarray, length: float, shorter: float, points: int) -> None:
     """Straight hairs that leave the head at a slant toward a goal: a vector for each, or one for all."""
     n = normals[rows]
     along = goal - np.sum(goal * n, axis=1, keepdims=True) * n
     direction = 0.5 * n + along / np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-9)
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
-    lengths = length * (1 - 0.2 * rng.random(len(rows)))
+    lengths = length * (1 - shorter * rng.random(len(rows)))
     t = np.linspace(0, 1, points)
     curves = roots[rows, None] + (lengths[:, None] * t)[..., None] * direction[:, None]
     offsets = points * np.arange(len(rows) + 1)
@@ -59,9 +59,9 @@ def save(name: str, rows: np.ndarray, goal: np.ndarray, length: float, points: i
 
 
 tail = (roots[:, 2] < 0.03) & (roots[:, 1] > 0.0)
-save("tail.npz", np.flatnonzero(tail), TIE - roots[tail], 0.45, 24)
+save("tail.npz", np.flatnonzero(tail), TIE - roots[tail], 0.45, 0.0, 24)
 down = np.array([0.0, -1.0, 0.0]) + 2.0 * roots[~tail] * [1, 0, 1]
-save("loose.npz", np.flatnonzero(~tail), down, 0.26, 16)
+save("loose.npz", np.flatnonzero(~tail), down, 0.26, 0.2, 16)
 
 # Two steps a second, 1.2 m/s forward, 15 mm up and down; from 0.6 s on a look to the side, by 40 degrees in 0.2 s.
 times = np.arange(0.0, 1.5, 0.05)
@@ -82,10 +82,11 @@ def hair(name: str, strands: int, **more) -> ws.Hair:
         strands=20 if args.small else strands,
         body="head",
         rest="weightless",
-        radius=3e-5,
+        radius=2.5e-5,
+        youngs_modulus=5e8,  # soft, as hair that is brushed: it lies on the head
         fibres_per_strand=80.0,
-        stiffness=[[0, 2], [0.3, 1]],
-        clump=ws.Clump(size=0.02, strength=0.6, noise=0.4),
+        stiffness=[[0, 2], [0.2, 1]],
+        clump=ws.Clump(size=0.02, strength=0.7, noise=0.4),
         **more,
     )
 
@@ -106,7 +107,7 @@ scene = ws.Scene(
         gust=[ws.Gust(time=t, velocity=v) for t, v in [(0.3, [0, 0, 0]), (0.5, [1.5, 0, 0]), (0.9, [-0.5, 0, -1.0])]],
     ),
     turbulence=ws.Turbulence(scale=max(0.04, 1.5 * args.spacing), intensity=0.6),
-    camera=ws.Camera(eye=[1.3, 0.15, 1.2], target=[0, -0.05, 0.4], width=640, height=480),
+    camera=ws.Camera(eye=[1.7, 0.05, 0.6], target=[0, -0.05, 0.6], fov=32, width=800, height=352),
     picture=ws.Picture(hairs=hairs),
 )
 (folder / "scene.toml").write_text(scene.text_in(folder), encoding="utf-8")
