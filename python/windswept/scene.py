@@ -409,8 +409,15 @@ class MeshFile(Table):
     _path = "body"
     _word = ("shape", "mesh")
 
-    file: Key[str, str] = key()
-    """Mesh file whose triangles enclose the body (.obj, .ply, .glb). A path relative to the scene's folder. Needed."""
+    file: Key[str | None, str | None] = key(default=None)
+    """Mesh file whose triangles enclose the body (.obj, .ply, .glb). A path relative to the scene's folder. Without it:
+    needed, or frames.
+    """
+    frames: Key[str | None, str | None] = key(default=None)
+    """File of a mesh that deforms, in place of a mesh file (.npz): positions (T, n, 3), triangles (m, 3) and times (T)
+    in s. It moves by these poses, and has no keyframes. A path relative to the scene's folder. Without it: none: the
+    mesh keeps its shape.
+    """
     scale: Key[float | None, float | None] = key(default=None)
     """Metres per unit of the file: 0.01 for centimetres. A number greater than 0 [m]. Without it: needed with shape
     mesh, unless the file says its unit.
@@ -462,7 +469,12 @@ class Body(Table):
     """
     file: Key[str | None, str | None] = key(default=None)
     """Mesh file whose triangles enclose the body (.obj, .ply, .glb). A path relative to the scene's folder. Without it:
-    needed with shape mesh.
+    needed, or frames.
+    """
+    frames: Key[str | None, str | None] = key(default=None)
+    """File of a mesh that deforms, in place of a mesh file (.npz): positions (T, n, 3), triangles (m, 3) and times (T)
+    in s. It moves by these poses, and has no keyframes. A path relative to the scene's folder. Without it: none: the
+    mesh keeps its shape.
     """
     scale: Key[float | None, float | None] = key(default=None)
     """Metres per unit of the file: 0.01 for centimetres. A number greater than 0 [m]. Without it: needed with shape

@@ -301,7 +301,7 @@ fn fit(center: DVec3, rest: &[DVec3], before: Pose, points: &[DVec3]) -> (Pose, 
             (turn + axis.cross(column), size + axis.dot(column))
         });
         let turn = turn / (size.abs() + f64::MIN_POSITIVE);
-        if !(turn.length() > FOUND) {
+        if turn.is_nan() || turn.length() <= FOUND {
             break;
         }
         rotation = (DQuat::from_scaled_axis(turn) * rotation).normalize();

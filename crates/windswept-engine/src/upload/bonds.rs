@@ -31,9 +31,12 @@ fn groups(scene: &CheckedScene) -> Vec<Option<(usize, &Arc<Frames>)>> {
 #[derive(Debug, Default)]
 pub(crate) struct Bonds {
     pub(crate) bonds: Vec<Bond>,
-    /// The strands of each body that deforms, with the corners of the triangles that their roots are bound to.
-    pub(crate) strands: Vec<(usize, Vec<(usize, [u32; 3])>)>,
+    /// The strands of each body that deforms.
+    pub(crate) strands: Vec<(usize, Vec<Bound>)>,
 }
+
+/// A strand, and the corners of the triangle that its root is bound to.
+type Bound = (usize, [u32; 3]);
 
 impl Bonds {
     /// The bonds of a scene's strands, as they stand at the start: each to the nearest triangle of its body.

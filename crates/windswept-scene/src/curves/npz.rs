@@ -200,7 +200,7 @@ pub(crate) fn moving_mesh(bytes: &[u8]) -> Result<MovingMesh, SceneError> {
 impl MovingMesh {
     /// Checks that numbers are finite, times rise, and triangles have points that each pose has.
     pub(crate) fn check(&self) -> Result<(), SceneError> {
-        let odd = |x: &f64| !(x.abs() <= LARGEST);
+        let odd = |x: &f64| x.is_nan() || x.abs() > LARGEST;
         let n = self.poses.first().map_or(0, Vec::len);
         for (k, pose) in self.poses.iter().enumerate() {
             if pose.len() != n {

@@ -134,6 +134,7 @@ impl Lattice {
             let mut crossed = crossings[starts[row]..starts[row + 1]].iter().peekable();
             let mut winding = 0;
             let (mut low, mut high) = (of_line(0), of_line(1));
+            let mut previous = Near::NONE;
             for i in 0..counts[0] {
                 let (c, part) = (i / COARSE, (i % COARSE) as f32 / COARSE as f32);
                 if i > 0 && i % COARSE == 0 {
@@ -143,10 +144,12 @@ impl Lattice {
                 let mut own = low.1 + part * (high.1 - low.1);
                 if distance < MEASURED {
                     let node = Vec3::new(i as f32, y as f32, z as f32);
-                    let corners = lines.iter().flat_map(|line| [c, c + 1].map(|c| line + c.min(coarse_counts[0] - 1)));
+                    let beside = coarse[lines[2 * (parts[1] > 0.5) as usize + (parts[0] > 0.5) as usize]
+                        + (c + (part > 0.5) as usize).min(coarse_counts[0] - 1)];
                     let near = layers[z].at(y * counts[0] + i).copied();
                     let near =
-                        near.unwrap_or_else(|| surface.refined(corners.map(|i| &coarse[i]), node, &layers, counts));
+                        near.unwrap_or_else(|| surface.refined([beside, previous].iter(), node, &layers, counts));
+                    previous = near;
                     distance = near.distance;
                     if moves {
                         own = surface.moved(&near);
