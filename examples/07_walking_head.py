@@ -93,7 +93,13 @@ def hair(name: str, strands: int, **more) -> ws.Hair:
 
 scene = ws.Scene(
     title="A head that walks in gusts",
-    time=ws.Time(step=2e-3, substeps=2, settle=0.2 if args.small else 1.5, duration=0.02 if args.small else 1.2, frame_rate=50.0),
+    time=ws.Time(
+        step=1.25e-3,
+        substeps=1 if args.spacing > 0.01 else 2,  # air moves less than half a spacing in each
+        settle=0.1 if args.small else 1.5,
+        duration=0.02 if args.small else 1.2,
+        frame_rate=50.0,
+    ),
     hair=[
         hair("loose", 150),
         hair("tail", 100, pin=[ws.Pin(ring=ws.Ring(center=TIE.tolist(), radius=0.012))]),
