@@ -6,6 +6,7 @@
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -161,6 +162,22 @@ motion = [{{ time = 0 }}, {{ time = 0.1, translation = [0.05, 0.02, -0.03], rota
             np.testing.assert_allclose(-camera[:3, 2] / np.linalg.norm(camera[:3, 2]), to_blender(aim / np.linalg.norm(aim)), atol=1e-6)
         half = np.tan(np.radians(40) / 2) * np.array([640 / 400, 1])
         np.testing.assert_allclose(np.tan(said["angle"] / 2), half, rtol=1e-5)
+
+
+@pytest.mark.long
+def test_the_head_that_walks_opens(tmp_path, blender):
+    example = Path(__file__).parents[2] / "examples/07_walking_head.py"
+    subprocess.run([sys.executable, example, "--small"], check=True, cwd=tmp_path)
+    walk = tmp_path / "walk"
+    done([sys.executable, "-m", "windswept", "export", walk / "run", "--format", "npz", "--followers", "--up", "z"])
+    done([blender, "-c", TOGETHER, walk / "film.usda", tmp_path / "said.npz"])
+    with np.load(walk / "run/film.npz") as ours, np.load(tmp_path / "said.npz") as said:
+        assert len(ours["offsets"]) == 401 and len(said["hair"]) == 2
+        np.testing.assert_allclose(said["hair"], ours["positions"], rtol=0, atol=1e-6)
+        # From the first keyframe to the next in 0.05 s, of which 0.02 s have passed; z is up, and y back.
+        way = 0.4 * np.array([0.0, -0.06, 0.015 * np.sin(0.2 * np.pi)])
+        for all in (said["heads"], said["hair"][:, ours["offsets"][:-1]]):
+            np.testing.assert_allclose(all[1], all[0] + way, rtol=0, atol=2e-6)
 
 
 def done(command):
