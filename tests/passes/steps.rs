@@ -320,6 +320,7 @@ fn steps_are_those_of_the_reference() {
         &["hair.strands=1"],
         BODIES,
         PINNED,
+        DEFORMING,
         FOLLOWS,
         &[FOLLOWS, &["interaction.model=particles"]].concat()[..],
         WALLS,
