@@ -153,9 +153,9 @@ pub fn stands(w: &Scratch) -> Vec<[u32; 4]> {
 
 /// Planted faults of the passes of contact, and of the rods' solve among bodies.
 pub const FAULTS: &[Fault] = &[
-    (&shaders::forcing::BODIES, BODIES, &[19]),
-    (&shaders::rods::CONTACTS, BODIES, &[113, 16]),
-    (&shaders::rods::SOLVE, BODIES, &[1288]),
+    (&shaders::forcing::BODIES, BODIES, &[14]),
+    (&shaders::rods::CONTACTS, BODIES, &[112, 15]),
+    (&shaders::rods::SOLVE, BODIES, &[1316]),
     (&shaders::rods::SOLVE, THIN_BODY, &[765, 785]),
     (&shaders::contact::AIR, BODIES, &[116]),
     (&shaders::contact::AIR, WALLS, &[35]),

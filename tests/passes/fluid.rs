@@ -283,7 +283,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::fluid::SPREAD, DIVERGENCE, &[0]),
     (&shaders::fluid::PLACE, DIVERGENCE, &[9]),
     (&shaders::fluid::MOMENTS, DIVERGENCE, &[0]),
-    (&shaders::forcing::WALLS, WALLS, &[335, 328]),
+    (&shaders::forcing::WALLS, WALLS, &[437, 443]),
     (&shaders::fluid::SPREAD, WALLS, &[5]),
     (&shaders::fluid::MOMENTS, WALLS, &[435, 68]),
     (&shaders::fluid::DIVERGENCE, WALLS, &[15]),

@@ -139,7 +139,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::forcing::RESET, PARTICLES, &[57, 35]),
     (&shaders::forcing::ROOTS, PARTICLES, &[53]),
     (&shaders::forcing::PINS, PINNED, &[4]),
-    (&shaders::forcing::BONDS, DEFORMING, &[3]),
+    (&shaders::forcing::BONDS, DEFORMING, &[28, 49]),
     (&shaders::forcing::HAIR_DRIFT, LIGHT_HAIR, &[16]),
     (&shaders::forcing::FRINGE_DEFICIT, PARTICLES, &[12]),
     (&shaders::reduce::TOTAL, &["turbulence={bands=[]}"], &[1]),

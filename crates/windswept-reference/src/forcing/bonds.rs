@@ -35,8 +35,8 @@ pub fn bonded(scene: &CheckedScene, initial: &InitialState) -> Vec<Option<Bonded
     let hair = &initial.hair;
     let bond = |s: usize| {
         let group = *hair.group.get(s)? as usize;
-        let is_moved = scene.scene().hair[group].motion.keyframes.is_empty();
-        let name = scene.hair[group].body().filter(|_| is_moved)?;
+        let is_moved = scene.scene().hair.get(group)?.motion.keyframes.is_empty();
+        let name = scene.hair.get(group)?.body().filter(|_| is_moved)?;
         let body = scene.bodies.iter().find(|body| body.name == name)?;
         let frames = body.shape.solid()?.frames()?.clone();
         let start = body.motion.at(0.0);
