@@ -39,7 +39,7 @@ fn listing(folder: &Path) -> BTreeSet<String> {
 /// A sink writes nothing before its first frame, and then its row's files and no others.
 #[test]
 fn a_format_writes_its_files() {
-    let (gpu, scene) = (gpu(), scene(&["picture.hairs=10"]));
+    let (gpu, scene) = (gpu(), scene(&["picture.hairs=10", "body=[{center=[0.2,0.1,0.1],radius=0.01}]"]));
     for format in Format::of_runs() {
         let folder = tempfile::tempdir().unwrap();
         let start = Start {

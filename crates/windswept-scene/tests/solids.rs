@@ -149,7 +149,7 @@ fn faults_name_key_and_file() {
             "radius",
             "goes with shape \"sphere\": expected no such key with shape \"mesh\"",
         ),
-        ("scale = 1e-3", "file", "is missing: expected a path relative"),
+        ("scale = 1e-3", "file", "is missing: expected a mesh file, or frames"),
         ("file = \"ball.obj\"\nscale = 1e-3\nresolution = 0", "resolution", "a length in metres greater than 0"),
         ("file = \"ball.obj\"\nscale = 1e-3\nup = \"w\"", "up", "expected one of"),
     ] {
