@@ -38,6 +38,7 @@ from windswept._native import (
     formats,
     write_png,
 )
+from windswept._player import Player, show
 from windswept.measures import measure
 from windswept.meshes import write_frames, write_mesh
 from windswept.report import Report
@@ -58,6 +59,7 @@ __all__ = [
     "GpuError",
     "Groom",
     "HairState",
+    "Player",
     "Report",
     "RunError",
     "SceneError",
@@ -73,6 +75,7 @@ __all__ = [
     "ops",
     "plot",
     "scene",
+    "show",
     "sweep",
     "usd",
     "write_frames",
