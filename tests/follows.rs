@@ -5,7 +5,7 @@
 mod support;
 
 use glam::{DQuat, DVec3};
-use windswept::{Frame, Simulation};
+use windswept::{Checkpoint, Frame, Simulation};
 use windswept_scene::*;
 
 const SPEED: f64 = 2.0;
@@ -112,6 +112,28 @@ fn hair_stays_behind_a_head_that_starts() {
     let poses = [&follows, &rests, &hosted].map(|run| run.frame().unwrap().bodies[0]);
     assert!(poses.iter().all(|pose: &Pose| pose.translation.distance(poses[1].translation) < 1e-9));
     assert!(poses.iter().all(|pose| pose.rotation == DQuat::IDENTITY));
+}
+
+/// A checkpoint of a head that a host moves goes on with the same bits.
+#[test]
+fn a_checkpoint_keeps_the_frame() {
+    let mut scene = tuft(Model::TwoWay, 0.5);
+    scene.air = scene.air.map(|air| Air { follows: Some("head".into()), ..air });
+    let walk = |simulation: &mut Simulation, from: u32| {
+        for step in from..from + 6 {
+            let translation = DVec3::new(2e-3 * f64::from(step * step), 0.0, 0.0);
+            simulation.set_body("head", Pose { translation, ..Pose::default() }, None).unwrap();
+            simulation.step(1).unwrap();
+        }
+    };
+    let mut whole = start(&scene);
+    walk(&mut whole, 1);
+    let saved = Checkpoint::from_bytes(&whole.to_bytes().unwrap(), "saved").unwrap();
+    let mut resumed = saved.start(whole.gpu()).unwrap();
+    walk(&mut whole, 7);
+    walk(&mut resumed, 7);
+    assert!(whole.frame().unwrap() == resumed.frame().unwrap());
+    assert!(whole.frame().unwrap().bodies[0].translation.x > 0.2);
 }
 
 /// The box goes with the body; a body that there is not is a fault.

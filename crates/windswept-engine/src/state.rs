@@ -298,11 +298,11 @@ state! {
     pins: Pin, |s| s.hair_points;
     /// Mean wind \[m/s\]; w: time \[s\]; linear in between.
     wind_table: Vec4, |s| s.wind_table;
-    /// Way \[m\] and velocity \[m/s\] of the frame of `air.follows`, with times \[s\]; linear in between.
-    frame_table: Entry, |s| s.frame_table;
     /// Acceleration that was set \[m/s²\]: of hair points, then of air by stable id.
     pushed: Vec4, |s| s.pushed;
     [Static]
+    /// Way \[m\] and velocity \[m/s\] of the frame of `air.follows`, with times \[s\]; linear in between.
+    frame_table: Entry, |s| s.frame_table;
     /// A wave of the turbulence that the wind brings in: wave number \[1/m\] and phase, amplitude over the wind's
     /// speed.
     inflow: Wave, |s| s.waves;
