@@ -23,7 +23,6 @@ _DIALS = {
     "turbulence.scale": (0.004, 0.04),
     "turbulence.intensity": (0.0, 2.0),
     "gravity": (-20.0, 20.0),
-    "hair.youngs_modulus": (1e8, 1e10),
     "rods.damping": (0.0, 20.0),
 }
 #: Pictures a second, segments and particles of a picture: at most.
@@ -46,7 +45,7 @@ def live(
         sim: is stepped, at most as fast as time passes.
         port: on 127.0.0.1, 0 to 65535; the next free one if it is taken, any for 0.
         dials: dotted keys of numbers and vectors that `sim.update` takes, each with the ends of its slider; None: wind,
-            eddies, gravity, stiffness and damping, as far as the scene has them.
+            eddies, gravity and damping, as far as the scene has them.
         play: whether it runs at once.
 
     Raises:
