@@ -1,5 +1,6 @@
 """Every example runs, in a folder of its own."""
 
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -22,6 +23,23 @@ def test_example(example, tmp_path):
     done = subprocess.run([sys.executable, example, *words], capture_output=True, text=True, cwd=tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr
     assert done.stdout
+
+
+@pytest.mark.long
+def test_the_notebook_runs(tmp_path):
+    import nbformat
+    from nbclient import NotebookClient
+
+    shutil.copytree(EXAMPLES[0].parent / "scenes", tmp_path / "scenes")
+    notebook = nbformat.read(EXAMPLES[0].parent / "08_notebook.ipynb", as_version=4)
+    cells = [cell for cell in notebook.cells if cell.cell_type == "code"]
+    # What it shows is not kept: it would differ by adapter.
+    assert not any(cell.outputs for cell in cells)
+    NotebookClient(notebook, kernel_name="python3", resources={"metadata": {"path": tmp_path}}).execute()
+    shown = [cell.outputs[-1].data for cell in cells]
+    for data, words in zip(shown, ["<img", "4 pictures", "7 pictures", "7 pictures", "<iframe", "steps"], strict=True):
+        assert words in data.get("text/html", "") + data["text/plain"]
+    assert (tmp_path / "film.html").stat().st_size > 100_000
 
 
 def test_every_numbered_rust_example_has_its_reference():

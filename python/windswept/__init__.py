@@ -46,6 +46,7 @@ from windswept.scene import *
 
 if _TYPE_CHECKING:
     from windswept import plot, sweep, usd
+    from windswept._live import Live, live
     from windswept.sweep import ensemble
 
 __all__ = [
@@ -59,6 +60,7 @@ __all__ = [
     "GpuError",
     "Groom",
     "HairState",
+    "Live",
     "Player",
     "Report",
     "RunError",
@@ -71,6 +73,7 @@ __all__ = [
     "contact_sheet",
     "ensemble",
     "formats",
+    "live",
     "measure",
     "ops",
     "plot",
@@ -91,6 +94,10 @@ def __getattr__(name: str) -> _Any:
         from windswept.sweep import ensemble
 
         return ensemble
+    if name in ("Live", "live"):
+        from windswept import _live
+
+        return getattr(_live, name)
     if name in ("plot", "sweep", "usd"):
         import importlib
 

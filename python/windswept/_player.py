@@ -21,18 +21,18 @@ _PAGE = Template("""<!doctype html>
 <meta charset="utf-8">
 <title>Hair</title>
 <style>
-body { margin: 0; font: 13px sans-serif }
-#film { position: relative; max-width: ${width}px; aspect-ratio: $width / $height }
+body { margin: 0; font: 13px sans-serif; max-width: min(${width}px, calc((100vh - 32px) * $width / $height)) }
+#film { position: relative; aspect-ratio: $width / $height }
 #film img { position: absolute; width: 100% }
 #film img + img:not(.shown) { visibility: hidden }
-#bar { display: flex; gap: 8px; align-items: center; height: 32px; max-width: ${width}px }
+#bar { display: flex; gap: 8px; align-items: center; height: 32px }
 #at { flex: 1 }
 </style>
 <div id="film">
 $pictures
 </div>
 <div id="bar">
-<button id="play" title="play or pause">&#9654;</button>
+<button id="play">Play</button>
 <input id="at" type="range" min="0" max="$last" value="0">
 <output id="time"></output>
 </div>
@@ -47,7 +47,7 @@ function show(index) {
 }
 play.onclick = () => {
   timer = timer ? void clearInterval(timer) : setInterval(() => show((shown + 1) % pictures.length), 1000 / $fps);
-  play.textContent = timer ? "\\u23f8" : "\\u25b6";
+  play.textContent = timer ? "Pause" : "Play";
 };
 at.oninput = () => {
   if (timer) play.onclick();

@@ -9,8 +9,20 @@ use crate::{Result, cargo, root, run, say, system, venv};
 /// PyPI packages by which tests read our files with other people's readers, as users do.
 pub(crate) const READERS: [&str; 5] = ["numpy", "h5py", "vtk", "pillow", "usd-core; python_version >= '3.11'"];
 /// Other packages that the Python package's tests and users import, and maturin, which builds it.
-const OTHERS: [&str; 9] =
-    ["maturin", "pytest", "pytest-xdist", "mypy", "pyright[nodejs]", "matplotlib", "distributed", "tqdm", "jsonschema"];
+const OTHERS: [&str; 12] = [
+    "maturin",
+    "pytest",
+    "pytest-xdist",
+    "mypy",
+    "pyright[nodejs]",
+    "matplotlib",
+    "distributed",
+    "tqdm",
+    "jsonschema",
+    "viser",
+    "nbclient",
+    "ipykernel",
+];
 
 /// `cargo xtask python`.
 pub(crate) fn provide() -> Result {
