@@ -12,6 +12,7 @@ import argparse
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -75,7 +76,7 @@ keyframes = [
 ]
 
 
-def hair(name: str, strands: int, **more) -> ws.Hair:
+def hair(name: str, strands: int, **more: Any) -> ws.Hair:
     return ws.Hair(
         name=name,
         file=str(folder / f"{name}.npz"),
@@ -85,7 +86,7 @@ def hair(name: str, strands: int, **more) -> ws.Hair:
         radius=2.5e-5,
         youngs_modulus=5e8,  # soft, as hair that is brushed: it lies on the head
         fibres_per_strand=80.0,
-        stiffness=[[0, 2], [0.2, 1]],
+        stiffness=[[0.0, 2.0], [0.2, 1.0]],
         clump=ws.Clump(size=0.02, strength=0.7, noise=0.4),
         **more,
     )
@@ -110,7 +111,7 @@ scene = ws.Scene(
         spacing=args.spacing,
         follows="head",
         wind=[1.0, 0.0, -0.5],
-        gust=[ws.Gust(time=t, velocity=v) for t, v in [(0.3, [0, 0, 0]), (0.5, [1.5, 0, 0]), (0.9, [-0.5, 0, -1.0])]],
+        gust=[ws.Gust(time=t, velocity=v) for t, v in [(0.3, [0.0, 0.0, 0.0]), (0.5, [1.5, 0.0, 0.0]), (0.9, [-0.5, 0.0, -1.0])]],
     ),
     turbulence=ws.Turbulence(scale=max(0.04, 1.5 * args.spacing), intensity=0.6),
     camera=ws.Camera(eye=[1.7, 0.05, 0.6], target=[0, -0.05, 0.6], fov=32, width=800, height=352),

@@ -168,8 +168,8 @@ fn a_body_that_is_set_is_one_with_keyframes() {
         let [push, same] =
             [&set, &expected].map(|simulation| DVec3::from_array(simulation.body_impulses().unwrap()[0]));
         println!("{off:e} m apart, {moved:e} m from a ball that rests; impulses {push} and {same} N s");
-        // Measured 0 and 1.2e-8; margin 4.
-        assert!(off < 5e-8 && moved > 5e-5, "{off:e} {moved:e}");
+        // Measured 0 and 5.8e-8: shapes are seen in a body's own axes, whose rotation is rounded. Margin 4.
+        assert!(off < 2.4e-7 && moved > 5e-5, "{off:e} {moved:e}");
         assert!(push.distance(same) < 1e-2 * same.length(), "{push} {same}");
     }
     let pose = set.frame().unwrap().bodies[0];

@@ -8,7 +8,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from os import PathLike
@@ -110,7 +110,7 @@ def write_frames(
         raise ValueError(f"triangles: expected indices from 0 to {most}, found {corners.min()} to {corners.max()}")
     if moments.shape != places.shape[:1] or not np.isfinite(moments).all() or (np.diff(moments) <= 0).any():
         raise ValueError(f"times: expected {len(places)} finite numbers that rise, found {moments.tolist()[:8]}")
-    arrays = {"positions": places, "triangles": corners.astype(np.int64), "times": moments}
+    arrays: dict[str, Any] = {"positions": places, "triangles": corners.astype(np.int64), "times": moments}
     if meters_per_unit is not None:
         arrays["meters_per_unit"] = np.array(float(meters_per_unit))
     np.savez(path, **arrays)
