@@ -219,7 +219,7 @@ fn a_run_under_way_may_be_read() {
     let begin = ["run", "scene.toml", "--out", "out", "--adapter", "software", "--steps", "100000"];
     let first = long_run(folder.path(), &mut windswept(folder.path(), &begin));
     let (out, started) = (folder.path().join("out"), Instant::now());
-    while !out.join("frames/0003.png").exists() && started.elapsed() < Duration::from_secs(60) {
+    while !out.join("frames/0009.png").exists() && started.elapsed() < Duration::from_secs(60) {
         sleep(Duration::from_millis(5));
     }
     let output = |command: &[&str]| windswept(folder.path(), command).output().expect("the program starts");

@@ -8,6 +8,9 @@ use windswept_scene::{CheckedShape, DistanceGrid, Frames, MeshFile, Scene, Solid
 use zip::{ZipWriter, write::SimpleFileOptions};
 
 /// A ball of this radius about a point \[m\].
+/// An array of a file: its name, its shape and its numbers.
+type Rows = (&'static str, &'static [usize], Vec<f64>);
+
 fn ball(middle: DVec3, radius: f64, rows: u32) -> Triangles {
     let skin = CheckedShape::sphere(middle.to_array(), radius).surface(rows, 2 * rows);
     Triangles { points: skin.points, corners: skin.corners, ..Triangles::default() }
@@ -103,7 +106,7 @@ fn write_npz(path: &Path, arrays: &[(&str, &[usize], Vec<f64>)]) {
 }
 
 /// The arrays of a tetrahedron of 10 cm that rises, in centimetres and Z up.
-fn rising() -> Vec<(&'static str, &'static [usize], Vec<f64>)> {
+fn rising() -> Vec<Rows> {
     let rest = [[0.0, 0.0, 0.0], [10.0, 0.0, 0.0], [0.0, 10.0, 0.0], [0.0, 0.0, 10.0]];
     let lifted = rest.map(|[x, y, z]| [x, y, z + 20.0]);
     let triangles = [0.0, 2.0, 1.0, 0.0, 1.0, 3.0, 1.0, 2.0, 3.0, 0.0, 3.0, 2.0];
@@ -150,7 +153,7 @@ fn a_file_of_poses_is_a_body_that_moves() {
 fn hostile_poses_are_named() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("body.npz");
-    let refused = |key: &str, words: &str, change: &dyn Fn(&mut Vec<(&'static str, &'static [usize], Vec<f64>)>)| {
+    let refused = |key: &str, words: &str, change: &dyn Fn(&mut Vec<Rows>)| {
         let mut arrays = rising();
         change(&mut arrays);
         write_npz(&path, &arrays);
