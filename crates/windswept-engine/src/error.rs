@@ -243,7 +243,7 @@ pub enum CheckpointError {
 #[derive(thiserror::Error)]
 #[non_exhaustive]
 pub enum Error {
-    /// The caller, who did not wait for hair to settle.
+    /// The `stop` of [`Simulation::new_until`](crate::Simulation::new_until), which ended the time of settling.
     #[error("stopped while hair settles")]
     Stopped,
     /// The scene.

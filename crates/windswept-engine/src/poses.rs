@@ -49,6 +49,9 @@ impl Poses {
     /// The poses of a scene's bodies, none of which is on the device.
     #[must_use]
     pub fn new(scene: &CheckedScene, initial: &InitialState) -> Self {
+        if bodies::frames(scene).flatten().next().is_none() {
+            return Self::default();
+        }
         let bonds = Bonds::new(scene, initial);
         let mut poses = Self { bodies: Vec::new(), corners: vec![Corners::default(); 2 * bonds.bonds.len()], bonds };
         let motions = Motions::new(scene);

@@ -303,7 +303,6 @@ impl Simulation {
             if let Some(steps) = if self.callback.is_some() { Some(1) } else { self.steps_to_change() } {
                 left = left.min(steps * self.substeps() - substep);
             }
-            self.poses.bring(&self.engine, self.last.step)?;
             left = left.min(self.poses.steps_left(self.last.step).unwrap_or(left));
             let started = Instant::now();
             let before = self.last.step;

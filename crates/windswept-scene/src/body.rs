@@ -344,11 +344,14 @@ impl CheckedShape {
     /// a mesh are as its file has them.
     #[must_use]
     pub fn surface(&self, rows: u32, sides: u32) -> Triangles {
-        let points: Vec<DVec3> = self.skin(rows, sides).into_iter().map(|(x, _)| x).collect();
-        let corners = match self.form() {
-            Form::Round(round) => round.skin(rows, sides).1,
-            Form::Mesh(_) => (0..points.len() as u32 / 3).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect(),
+        let (skin, corners) = match self.form() {
+            Form::Round(round) => round.skin(rows, sides),
+            Form::Mesh(solid) => {
+                let triangles = solid.triangles().corners.len() as u32;
+                (self.skin(rows, sides), (0..triangles).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect())
+            }
         };
+        let points = skin.into_iter().map(|(x, _)| x).collect();
         Triangles { points, corners, unit: Some(1.0), ..Triangles::default() }
     }
 }

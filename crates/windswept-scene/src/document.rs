@@ -224,7 +224,7 @@ pub(crate) fn datum(kind: Kind, value: &Value) -> Option<Datum> {
     }
 }
 
-/// So many numbers that can be computed with.
+/// An array of N numbers that can be computed with.
 fn numbers<const N: usize>(value: &Value) -> Option<[f64; N]> {
     let values: Vec<f64> = value.as_array()?.iter().map(number).collect::<Option<_>>()?;
     values.try_into().ok()

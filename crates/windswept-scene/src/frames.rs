@@ -104,7 +104,7 @@ impl Frames {
         let mut before = Pose::default();
         for (pose, time) in poses.zip(&times[1..]) {
             let (fitted, own) = fit(center, &first.points, before, &in_metres(pose, Vec::new()).points);
-            keyframes.push(keyframe(*time, fitted));
+            keyframes.push(Keyframe::posed(*time, fitted));
             all.push(Arc::new(own));
             before = fitted;
         }
@@ -147,7 +147,7 @@ impl Frames {
             lattice = Lattice::about([low, high], lattice.spacing, margin);
             check_size(&lattice)?;
         }
-        let motion = [keyframe(from, before), keyframe(to, fitted)].into();
+        let motion = [Keyframe::posed(from, before), Keyframe::posed(to, fitted)].into();
         Ok(Self { motion, poses, lattice, ..self.clone() })
     }
 
@@ -161,12 +161,6 @@ impl Frames {
     #[must_use]
     pub fn on(&self, lattice: &Lattice) -> Self {
         Self { lattice: *lattice, ..self.clone() }
-    }
-
-    /// Number of the mesh's points.
-    #[must_use]
-    pub fn points_count(&self) -> usize {
-        self.skin.rest.len()
     }
 
     /// Rigid part of the motion, about the centre, with a keyframe for each pose.
@@ -278,11 +272,6 @@ fn frame(&[a, b, c]: &[DVec3; 3]) -> DQuat {
 
 fn mean(points: &[DVec3]) -> DVec3 {
     points.iter().sum::<DVec3>() / points.len().max(1) as f64
-}
-
-fn keyframe(time: f64, pose: Pose) -> Keyframe {
-    let rotation = pose.rotation.to_scaled_axis().to_array();
-    Keyframe { time, translation: pose.translation.to_array(), rotation }
 }
 
 /// The rigid pose, near the one before, that brings the points `rest` about `center` nearest to others (Müller et al.

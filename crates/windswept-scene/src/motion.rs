@@ -68,6 +68,13 @@ impl Keyframe {
         Self { time, translation: [0.0; 3], rotation: [0.0; 3] }
     }
 
+    /// The thing in a pose at `time` \[s\].
+    #[must_use]
+    pub fn posed(time: f64, pose: Pose) -> Self {
+        let rotation = pose.rotation.to_scaled_axis().to_array();
+        Self { time, translation: pose.translation.to_array(), rotation }
+    }
+
     /// The pose at the keyframe.
     #[must_use]
     pub fn pose(&self) -> Pose {
@@ -94,11 +101,7 @@ impl Motion {
 
     /// Index of the keyframe before `time` \[s\], or of the first, and the part of the way to the next.
     pub(crate) fn phase(&self, time: f64) -> (usize, f64) {
-        let Some(before) = self.keyframes.partition_point(|keyframe| keyframe.time <= time).checked_sub(1) else {
-            return (0, 0.0);
-        };
-        let own = self.keyframes[before].time;
-        (before, self.keyframes.get(before + 1).map_or(0.0, |next| (time - own) / (next.time - own)))
+        phase(&self.keyframes, |keyframe| keyframe.time, time)
     }
 
     /// Position of `point`, of a thing with this centre, at `time` \[s\], in m.
@@ -106,6 +109,14 @@ impl Motion {
     pub fn place(&self, center: DVec3, point: DVec3, time: f64) -> DVec3 {
         self.at(time).place(center, point)
     }
+}
+
+/// Of rows whose places rise, the index of the last that is not beyond `x`, or of the first, and the part of the way to the
+/// next; 0 before the first and after the last.
+pub(crate) fn phase<T>(rows: &[T], place: impl Fn(&T) -> f64, x: f64) -> (usize, f64) {
+    let Some(before) = rows.partition_point(|row| place(row) <= x).checked_sub(1) else { return (0, 0.0) };
+    let own = place(&rows[before]);
+    (before, rows.get(before + 1).map_or(0.0, |next| (x - own) / (place(next) - own)))
 }
 
 impl<const N: usize> From<[Keyframe; N]> for Motion {

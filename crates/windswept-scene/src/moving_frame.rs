@@ -9,7 +9,7 @@ use glam::DVec3;
 use crate::{
     body::CheckedBody,
     faults::At,
-    motion::{Keyframe, Motion},
+    motion::{Keyframe, Motion, Pose, phase},
     scene::{CheckedAir, Gust, Scene, SceneValues, unknown},
     wind,
 };
@@ -51,12 +51,8 @@ impl SceneValues {
         times.sort_by(f64::total_cmp);
         times.dedup();
         let seen = |time: f64| {
-            let pose = motion.at(time);
-            Keyframe {
-                time,
-                translation: (pose.translation - way(&body.motion, time)).to_array(),
-                rotation: pose.rotation.to_scaled_axis().to_array(),
-            }
+            let Pose { translation, rotation } = motion.at(time);
+            Keyframe::posed(time, Pose { translation: translation - way(&body.motion, time), rotation })
         };
         Motion { keyframes: times.into_iter().map(seen).collect(), center: motion.center }
     }
@@ -125,11 +121,10 @@ fn way(motion: &Motion, time: f64) -> DVec3 {
 
 /// Velocity of the frame at `time` \[m/s\].
 fn velocity(frame: &[FrameEntry], time: f64) -> DVec3 {
-    let next = frame.partition_point(|entry| entry.time <= time);
-    match (next.checked_sub(1).map(|last| frame[last]), frame.get(next)) {
-        (Some(a), Some(b)) => a.velocity.lerp(b.velocity, (time - a.time) / (b.time - a.time)),
-        (Some(only), None) => only.velocity,
-        (None, Some(only)) => only.velocity,
-        (None, None) => DVec3::ZERO,
+    let (before, part) = phase(frame, |entry| entry.time, time);
+    match frame.get(before..) {
+        Some([a, b, ..]) => a.velocity.lerp(b.velocity, part),
+        Some([only]) => only.velocity,
+        _ => DVec3::ZERO,
     }
 }

@@ -7,6 +7,7 @@ use crate::{
     declare::{Leaf, leaves, number},
     document::Datum,
     keys::Kind,
+    motion::phase,
 };
 
 /// A factor along a strand: linear between pairs of a part of the length from the root, 0 to 1, and the factor there;
@@ -18,11 +19,11 @@ impl Profile {
     /// The factor, `part` of the length from the root.
     #[must_use]
     pub fn at(&self, part: f64) -> f64 {
-        let next = self.0.partition_point(|[at, _]| *at <= part);
-        match (next.checked_sub(1).and_then(|last| self.0.get(last)), self.0.get(next)) {
-            (Some([a, from]), Some([b, to])) => from + (part - a) / (b - a) * (to - from),
-            (Some([_, only]), None) | (None, Some([_, only])) => *only,
-            (None, None) => 1.0,
+        let (before, way) = phase(&self.0, |[at, _]| *at, part);
+        match self.0.get(before..) {
+            Some([[_, from], [_, to], ..]) => from + way * (to - from),
+            Some([[_, only]]) => *only,
+            _ => 1.0,
         }
     }
 }

@@ -9,7 +9,7 @@ use rand_pcg::Pcg64;
 use crate::{
     faults::At,
     limits::FASTEST_WIND,
-    motion::Motion,
+    motion::{Motion, phase},
     scene::{CheckedAir, Gust, Inflow},
 };
 
@@ -116,14 +116,11 @@ impl CheckedAir {
 
     /// Velocity that gusts add at `time`: linear between keyframes, held before the first and after the last.
     pub(crate) fn gust_at(&self, time: f64) -> [f64; 3] {
-        let next = self.gust.partition_point(|gust| gust.time <= time);
-        match (next.checked_sub(1).and_then(|last| self.gust.get(last)), self.gust.get(next)) {
-            (Some(a), Some(b)) => {
-                let part = (time - a.time) / (b.time - a.time);
-                [0, 1, 2].map(|axis| a.velocity[axis] + part * (b.velocity[axis] - a.velocity[axis]))
-            }
-            (Some(only), None) | (None, Some(only)) => only.velocity,
-            (None, None) => [0.0; 3],
+        let (before, part) = phase(&self.gust, |gust| gust.time, time);
+        match self.gust.get(before..) {
+            Some([a, b, ..]) => [0, 1, 2].map(|axis| a.velocity[axis] + part * (b.velocity[axis] - a.velocity[axis])),
+            Some([only]) => only.velocity,
+            _ => [0.0; 3],
         }
     }
 
@@ -162,10 +159,10 @@ impl CheckedAir {
         std::iter::once(self.wind[axis]).chain(gusts).any(|wind| sign * wind > 0.0)
     }
 
-    /// Whether no wind blows at any time.
+    /// Whether no wind blows at any time. In the frame of a body one may: a caller may move the body.
     #[must_use]
     pub fn is_still(&self) -> bool {
-        self.wind_table().iter().all(|(_, wind)| *wind == [0.0; 3])
+        self.follows.is_none() && self.wind_table().iter().all(|(_, wind)| *wind == [0.0; 3])
     }
 
     /// Mean wind U once it has risen \[m/s\], without gusts.

@@ -63,12 +63,7 @@ impl Simulation {
                 rotation: DQuat::from_scaled_axis(-step * angular) * pose.rotation,
             },
         };
-        let keyframe = |time: f64, pose: Pose| Keyframe {
-            time,
-            translation: pose.translation.to_array(),
-            rotation: pose.rotation.to_scaled_axis().to_array(),
-        };
-        let motion = [keyframe(now, before), keyframe(now + step, pose)].into();
+        let motion = [Keyframe::posed(now, before), Keyframe::posed(now + step, pose)].into();
         self.drive_body(body, Driven { motion, poses: None })?;
         if velocity.is_some() {
             // A jump wakes no hair by itself.
@@ -152,14 +147,19 @@ impl Simulation {
             self.turn_wind()?;
         }
         let motions = Motions::new(&self.scene);
+        let deforms = driven.poses.is_some();
+        if self.bodies_set.insert(body, driven).is_some() && !follows && !deforms {
+            // Body and hair go by the same keyframes as before, which have other values.
+            return Ok(self.engine.write(&self.engine.state().keyframes, &motions.keyframes)?);
+        }
         let halves = self.poses.set(&self.scene, body, &motions);
-        self.bodies_set.insert(body, driven);
         let shapes: Vec<_> = self.scene.bodies.iter().map(|body| body.shape.clone()).collect();
         let given = self.given.assuming(|_, values| {
             values.bodies.iter_mut().zip(shapes).for_each(|(body, shape)| body.shape = shape);
         });
         self.engine.write_motions(&given, &self.initial, &motions, &halves)?;
-        Ok(self.poses.bring(&self.engine, self.last.step)?)
+        self.poses.bring(&self.engine, self.last.step)?;
+        if follows { self.raise_speed(self.largest_wind()) } else { Ok(()) }
     }
 }
 

@@ -318,6 +318,7 @@ impl Checkpoint {
         for (body, driven) in driven.bodies {
             simulation.drive_body(body, driven).map_err(failed)?;
         }
+        simulation.poses.bring(&simulation.engine, simulation.last.step)?;
         Ok(simulation)
     }
 }

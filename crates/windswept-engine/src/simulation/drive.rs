@@ -4,7 +4,7 @@ use std::collections::HashSet;
 
 use glam::{DQuat, DVec3};
 use windswept_scene::{
-    Solver,
+    CheckedAir, Solver,
     limits::{FASTEST_WIND, LARGEST, SMALLEST},
 };
 use windswept_shaders::common::validity::FAST;
@@ -20,8 +20,8 @@ use crate::{
 impl Simulation {
     /// Says where the root of each strand goes: `positions` in the world \[m\], one per strand, and the ghost frames
     /// that clamp them; without frames the roots keep theirs. The roots arrive at the end of the next step of Δt, and
-    /// stay. A root that jumps farther than its strand is long takes the strand along in its shape, at rest. Free roots
-    /// are not affected.
+    /// stay; in the frame of `air.follows`, if there is one. A root that jumps farther than its strand is long takes the
+    /// strand along in its shape, at rest. Free roots are not affected.
     ///
     /// # Errors
     /// [`RunError::Input`] when there is not one of each per strand, when one is beyond 1e18 or a frame has no length,
@@ -71,7 +71,7 @@ impl Simulation {
             return input("points: rods.solver is gauss-seidel, which knows no pins: expected direct".to_owned());
         }
         checked("places", Some(places), points.len())?;
-        let mut pins = rods::pins(&self.given, &self.initial);
+        let (mut pins, origin) = (rods::pins(&self.given, &self.initial), self.origin_after_step());
         let mut given = HashSet::new();
         for (row, (&point, place)) in points.iter().zip(places).enumerate() {
             if point >= pins.len() {
@@ -89,7 +89,7 @@ impl Simulation {
                     "points: the scene's hair.motion moves point {point} in row {row}, a tip that is held"
                 ));
             }
-            pins[point] = rods::pin(*place - self.origin_after_step());
+            pins[point] = rods::pin(*place - origin);
         }
         self.was_set = true;
         Ok(self.engine.write(&self.engine.state().pins, &pins)?)
@@ -140,10 +140,16 @@ impl Simulation {
             values.feel_frame();
         });
         (self.wind_set, self.was_set) = (Some(wind), true);
-        if self.plan.set_wind(wind != DVec3::ZERO) {
+        let blows = self.scene.air.as_ref().is_some_and(|air| !air.is_still());
+        if self.plan.set_wind(blows) {
             self.record_again()?;
         }
-        self.raise_speed(wind.length())
+        self.raise_speed(self.largest_wind())
+    }
+
+    /// Largest speed of the scene's wind, which in the frame of a body is that which the body feels \[m/s\].
+    pub(super) fn largest_wind(&self) -> f64 {
+        self.scene.air.as_ref().map_or(0.0, CheckedAir::largest_wind)
     }
 
     /// Raises the speed of the law of turbulence \[m/s\], where the scene leaves it to the largest wind.

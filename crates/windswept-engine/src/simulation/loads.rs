@@ -93,8 +93,9 @@ impl Simulation {
     /// [`RunError::Gpu`] when the device is lost.
     pub fn clamps(&self) -> Result<Vec<(DVec3, DQuat)>, RunError> {
         let strands = self.engine.read(&self.engine.state().strand_history)?;
+        let origin = self.origin();
         let clamp = |strand: &StrandHistory| {
-            let position = DVec3::from_array(strand.root.position.map(f64::from)) + self.origin();
+            let position = DVec3::from_array(strand.root.position.map(f64::from)) + origin;
             (position, DQuat::from_array(strand.root.frame.map(f64::from)))
         };
         Ok(strands.iter().map(clamp).collect())

@@ -49,9 +49,10 @@ impl Simulation {
             (low as i32..=high as i32).map(f64::from)
         };
         let unit = self.initial.air.volume * 315.0 / (64.0 * PI * radius.powi(9));
-        let wind = DVec3::from_array(self.last.wind.map(f64::from));
+        let wind = self.frame_velocity() + DVec3::from_array(self.last.wind.map(f64::from));
+        let origin = self.origin();
         let sample = |place: &DVec3| {
-            let x = *place - self.origin();
+            let x = *place - origin;
             let own = cell(x);
             let (mut sum, mut weights) = (DVec3::ZERO, 0.0);
             for (dx, dy, dz) in
@@ -66,7 +67,7 @@ impl Simulation {
                 }
             }
             let about_wind = if weights > 0.0 { sum / weights } else { DVec3::ZERO };
-            AirSample { velocity: self.frame_velocity() + wind + about_wind, density: air.rest_density * weights }
+            AirSample { velocity: wind + about_wind, density: air.rest_density * weights }
         };
         Ok(places.iter().map(sample).collect())
     }

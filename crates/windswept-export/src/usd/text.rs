@@ -21,7 +21,7 @@ const ROOT: &str = "Film";
 /// A prim with what moves in it.
 pub(super) struct Prim {
     name: String,
-    /// Its text up to what moves: all that stays through a film.
+    /// Text of the prim before its samples: attributes that stay the same through a film.
     pub(super) still: String,
     pub(super) sampled: Vec<Sampled>,
 }
@@ -36,9 +36,9 @@ pub(super) struct Sampled {
 }
 
 enum Of {
-    /// Of the hair, in the units of the film.
+    /// An attribute of the hair, in the units of the film.
     Hair(fn(&HairFrame, &mut String)),
-    /// Of the body of this index.
+    /// The transform of the body with this index.
     Body(usize),
 }
 
