@@ -102,7 +102,8 @@ fn pins_are_those_that_a_host_moves() {
     let points: Vec<_> = pinned.initial().pins.iter().map(|pin| pin.point as usize).collect();
     assert_eq!(points[..4], [10, 15, 21 + 10, 21 + 15], "half of 0.2 m, and the point that is nearest to 0.152 m");
     let warnings = &pinned.initial().warnings;
-    assert!(warnings.iter().any(|warning| warning.text == "12 of 12 strands are too short to be held"), "{warnings:?}");
+    let words = "12 of 12 strands are too short to be held: they lack up to 0.01 m";
+    assert!(warnings.iter().any(|warning| warning.text == words), "{warnings:?}");
     let rest = pinned.initial().hair.positions.clone();
     for step in 1..=100 {
         let pose = free.scene().bodies[0].motion.at(f64::from(step) * free.dt());
@@ -115,6 +116,21 @@ fn pins_are_those_that_a_host_moves() {
     let apart = a.iter().zip(&b).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
     println!("apart by {apart:.1e} m, gap {:.1e} m", gap(&pinned));
     assert!(gap(&pinned) < 1e-4 && apart < 1e-5 && a[10].distance(rest[10]) > 0.01, "{apart} m");
+}
+
+/// A ring in the head that its strands are on has a warning.
+#[test]
+fn a_ring_in_its_body_is_warned_of() {
+    let said = |x: f64| {
+        let ring = Ring { center: [x, 0.0, 0.0], radius: 0.005, normal: None };
+        let roots = Roots::cap([0.0; 3], RADIUS).toward([0.0, 1.0, 0.0]);
+        let pins = vec![Pin { ring: Some(ring), ..Pin::default() }];
+        let mut scene = head(Hair { pins, ..Hair::drawn(5, 31, 0.5, roots) }, Motion::default());
+        scene.time.settle = 1.0;
+        InitialState::new(&scene).unwrap().warnings.into_iter().map(|warning| warning.text).collect::<Vec<_>>()
+    };
+    assert!(said(0.1).is_empty(), "{:?}", said(0.1));
+    assert_eq!(said(0.05), ["the ring's centre is 0.04 m inside body \"head\""]);
 }
 
 /// Pins that cannot hold are faults that say their key.

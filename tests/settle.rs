@@ -65,3 +65,18 @@ fn hair_has_settled_when_a_run_begins() {
         }
     }
 }
+
+/// Hair that is stopped while it still falls has a warning, with how fast it is; hair that has come to rest has none.
+#[test]
+fn hair_that_still_moves_is_warned_of() {
+    let said = |settle: f64| {
+        let mut scene = tuft();
+        scene.time.settle = settle;
+        let simulation = Simulation::new(&support::gpu(), &scene).unwrap();
+        let warnings = simulation.initial().warnings.iter().filter(|warning| warning.key == "time.settle");
+        warnings.map(|warning| warning.text.clone()).collect::<Vec<_>>()
+    };
+    let (falling, resting) = (said(0.03), said(2.0));
+    println!("{falling:?} {resting:?}");
+    assert!(falling.len() == 1 && falling[0].contains("still moves at up to") && resting.is_empty());
+}

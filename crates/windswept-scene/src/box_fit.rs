@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::{
     error::SceneError,
     limits::MIN_BOX_SIDE,
-    motion::{Motion, Pose},
+    motion::Motion,
     scene::{Bounds, CheckedAir, SceneValues, check_size},
     strands::{End, Strands},
 };
@@ -64,8 +64,7 @@ pub(crate) fn of_hair(scene: &SceneValues, hair: &Strands) -> [DVec3; 2] {
 fn places(scene: &SceneValues, hair: &Strands, s: usize, root: DVec3) -> Vec<DVec3> {
     let Some(group) = hair.group(s, scene) else { return vec![root] };
     let (motion, center) = (&scene.in_frame(&group.motion), group.center());
-    let Pose { translation, rotation } = motion.at(0.0);
-    let drawn = center + rotation.conjugate() * (root - center - translation);
+    let drawn = motion.at(0.0).written(center, root);
     times(motion).into_iter().map(|time| motion.place(center, drawn, time)).collect()
 }
 

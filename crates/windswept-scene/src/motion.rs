@@ -59,6 +59,12 @@ impl Pose {
     pub fn place(&self, center: DVec3, point: DVec3) -> DVec3 {
         center + self.rotation * (point - center) + self.translation
     }
+
+    /// Position \[m\] without the pose of a point that is at `place` in it, of a thing with this centre.
+    #[must_use]
+    pub fn written(&self, center: DVec3, place: DVec3) -> DVec3 {
+        center + self.rotation.conjugate() * (place - center - self.translation)
+    }
 }
 
 impl Keyframe {

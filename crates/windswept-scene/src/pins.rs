@@ -14,7 +14,7 @@ use crate::{
         Kind::{Direction, Fraction, Length, Positive, Table, Text, Vector},
     },
     motion::Pose,
-    scene::{Hair, SceneValues, Solver, unknown},
+    scene::{Hair, SceneValues, Solver, rounded, unknown},
     strands::Strands,
     warnings::Warning,
 };
@@ -90,13 +90,24 @@ pub(crate) fn pinned(scene: &SceneValues, hair: &Strands, warnings: &mut Vec<War
         for pin in &own.pins {
             let strands: Vec<usize> = (0..hair.len()).filter(|&s| hair.group[s] as usize == group).collect();
             let holder = Holder::new(scene, own, pin, hair, &strands);
-            let held = strands.iter().enumerate().filter_map(|(k, &s)| holder.hold(hair, s, k));
-            let before = all.len();
-            all.extend(held);
-            let short = strands.len() + before - all.len();
+            let mut warn =
+                |text: String| warnings.push(Warning::new("pin", &format!("{}.pin", scene.called(group)), text));
+            if let (Some(ring), Some((_, body, _))) = (&pin.ring, &holder.body) {
+                let depth = -body.shape.signed_distance(DVec3::from_array(ring.center)).0;
+                if depth > 0.0 {
+                    warn(format!("the ring's centre is {} m inside body \"{}\"", rounded(depth), body.name));
+                }
+            }
+            let (mut short, mut lacks) = (0, 0.0_f64);
+            for (k, &s) in strands.iter().enumerate() {
+                match holder.hold(hair, s, k) {
+                    Ok(held) => all.extend(held),
+                    Err(lack) => (short, lacks) = (short + 1, lacks.max(lack)),
+                }
+            }
             if short > 0 {
-                let text = format!("{short} of {} strands are too short to be held", strands.len());
-                warnings.push(Warning::new("pin", &format!("{}.pin", scene.called(group)), text));
+                let of = strands.len();
+                warn(format!("{short} of {of} strands are too short to be held: they lack up to {} m", rounded(lacks)));
             }
         }
     }
@@ -137,13 +148,12 @@ impl<'a> Holder<'a> {
 
     /// The place that a point at `x` in the world has where the body is written \[m\].
     fn written(&self, x: DVec3) -> DVec3 {
-        let Some((_, body, pose)) = &self.body else { return x };
-        let center = body.shape.center();
-        center + pose.rotation.conjugate() * (x - center - pose.translation)
+        self.body.as_ref().map_or(x, |(_, body, pose)| pose.written(body.shape.center(), x))
     }
 
-    /// The point of strand `s` that is held, the `k`th of the group; `None` where the strand is too short.
-    fn hold(&self, hair: &Strands, s: usize, k: usize) -> Option<Pinned> {
+    /// The point of strand `s`, the `k`th of the group, if it is not held in any case; an error with what the strand lacks
+    /// to the pin \[m\].
+    fn hold(&self, hair: &Strands, s: usize, k: usize) -> Result<Option<Pinned>, f64> {
         let lengths = &hair.rest_length[hair.segments(s)];
         let root = hair.points(s).start;
         let whole: f64 = lengths.iter().sum();
@@ -156,16 +166,13 @@ impl<'a> Holder<'a> {
             along
         });
         let ends: Vec<f64> = ends.collect();
-        let next = ends.iter().position(|end| *end >= at * (1.0 - 1e-9))?;
+        let Some(next) = ends.iter().position(|end| *end >= at * (1.0 - 1e-9)) else { return Err(at - whole) };
         // A tie needs all of the way; another pin is at the point that is nearest, but at no root.
         let before = if next > 0 && seat.is_none() { ends[next - 1] } else { f64::NEG_INFINITY };
         let point = root + if at - before < ends[next] - at { next } else { next + 1 };
         let place = seat.unwrap_or_else(|| self.written(hair.positions[point]));
-        (hair.inverse_mass[point] > 0.0).then_some(Pinned {
-            point: point as u32,
-            body: self.body.as_ref().map(|(index, ..)| *index),
-            place,
-        })
+        let body = self.body.as_ref().map(|(index, ..)| *index);
+        Ok((hair.inverse_mass[point] > 0.0).then_some(Pinned { point: point as u32, body, place }))
     }
 
     /// Length of the shortest way from a root to a seat around the body \[m\].

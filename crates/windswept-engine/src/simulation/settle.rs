@@ -1,7 +1,7 @@
 //! Hair that comes to rest before a run begins: `time.settle`.
 
 use glam::{DQuat, DVec3};
-use windswept_scene::{CheckedScene, InitialState, Model, Pinned, around};
+use windswept_scene::{CheckedScene, InitialState, Model, Pinned, Warning, around};
 
 use super::{Origin, Simulation};
 use crate::{
@@ -11,6 +11,8 @@ use crate::{
 
 /// Part of the time of settling in which pins gather strands.
 const GATHERING: f64 = 0.7;
+/// Speed of hair that has not come to rest \[m/s\].
+const MOVING: f64 = 0.05;
 /// Way of a pin that is rounding \[m\].
 const SMALLEST: f64 = 1e-9;
 
@@ -38,7 +40,16 @@ impl Simulation {
             return Err(Error::Stopped);
         }
         let s = settling.engine.state();
-        let [places, frames] = settling.engine.read_vec4([&s.position, &s.orientation])?;
+        let [places, speeds, frames] = settling.engine.read_vec4([&s.position, &s.velocity, &s.orientation])?;
+        let speed = |[x, y, z, _]: &[f32; 4]| DVec3::new((*x).into(), (*y).into(), (*z).into()).length();
+        let fastest = speeds.iter().map(speed).fold(0.0, f64::max);
+        if fastest > MOVING {
+            let text = format!(
+                "hair still moves at up to {fastest:.2} m/s after {} s, and is stopped there: a longer time lets it come to rest",
+                scene.time.settle
+            );
+            initial.warnings.push(Warning::new("settle", "time.settle", text));
+        }
         let hair = &mut initial.hair;
         for (x, place) in hair.positions.iter_mut().zip(&places) {
             *x = initial.origin + DVec3::new(place[0].into(), place[1].into(), place[2].into());

@@ -49,10 +49,8 @@ impl Bonds {
             let own: Vec<usize> = (0..hair.len()).filter(|s| body_of(*s).is_some_and(|(of, _)| of == body)).collect();
             let pose = scene.bodies[body].motion.at(0.0);
             let (center, back) = (frames.center(), pose.rotation.conjugate());
-            let roots: Vec<DVec3> = own
-                .iter()
-                .map(|s| back * (hair.positions[hair.points(*s).start] - center - pose.translation))
-                .collect();
+            let root = |s: &usize| pose.written(center, hair.positions[hair.points(*s).start]) - center;
+            let roots: Vec<DVec3> = own.iter().map(root).collect();
             let found = frames.bonds(0.0, &roots);
             let points = frames.points(0.0);
             for ((&s, bond), root) in own.iter().zip(&found).zip(&roots) {

@@ -1,7 +1,7 @@
 //! Strands and segments as the shaders see them (`shaders/common/rod.wgsl`).
 
 use glam::{DQuat, DVec3};
-use windswept_scene::{CheckedScene, End, Hair, InitialState, Pose, Strands};
+use windswept_scene::{CheckedScene, End, Hair, InitialState, Strands};
 use windswept_shaders::common::rod::{
     AT_PLACE, ON_BODY, Pin, Point, PointHistory, ROOT_HELD, ROOT_JOINT, Root, Segment, SegmentHistory, Strand,
     StrandHistory, TIP_HELD, TIP_JOINT,
@@ -133,9 +133,8 @@ pub(crate) fn root_targets(scene: &CheckedScene, initial: &InitialState) -> Vec<
 fn unmoved(scene: &CheckedScene, initial: &InitialState, s: usize, x: DVec3) -> (DVec3, DQuat) {
     let x = x - initial.origin;
     let Some((group, center)) = motion(scene, initial, s) else { return (x, DQuat::IDENTITY) };
-    let Pose { translation, rotation } = group.motion.at(0.0);
-    let back = rotation.conjugate();
-    (center + back * (x - center - translation), back)
+    let pose = group.motion.at(0.0);
+    (pose.written(center, x), pose.rotation.conjugate())
 }
 
 /// Pins of hair points: those of the scene, and of tips that are held.
