@@ -84,26 +84,18 @@ fn a_ponytail_holds_its_tie() {
     assert!(worst.0 < 5e-4 && worst.1 < 0.01, "gap {} m, stretch {}", worst.0, worst.1);
 }
 
-/// Pins at a length and at a part of it go with a body as pins that a host moves, and strands that are too short are
-/// said.
+/// Pins at a length and at a part of it go with a body as pins that a host moves.
 #[test]
 fn pins_are_those_that_a_host_moves() {
     let end = Keyframe { time: 0.1, translation: [0.0, 0.01, 0.0], rotation: [0.0, 0.3, 0.1] };
     let motion = Motion::from([Keyframe::new(0.02), end]);
     let hair = Hair::drawn(12, 21, 0.2, Roots::disc([RADIUS, 0.0, 0.0], 0.01).toward([1.0, 0.0, 0.0]));
-    let pins = vec![
-        Pin { fraction: Some(0.5), ..Pin::default() },
-        Pin { at: Some(0.152), ..Pin::default() },
-        Pin { at: Some(0.21), body: Some("head".into()), ..Pin::default() },
-    ];
+    let pins = vec![Pin { fraction: Some(0.5), ..Pin::default() }, Pin { at: Some(0.152), ..Pin::default() }];
     let pinned = head(Hair { pins, ..hair.clone() }, motion.clone());
     let free = head(hair, motion);
     let (mut pinned, mut free) = (start(&pinned), start(&free));
     let points: Vec<_> = pinned.initial().pins.iter().map(|pin| pin.point as usize).collect();
     assert_eq!(points[..4], [10, 15, 21 + 10, 21 + 15], "half of 0.2 m, and the point that is nearest to 0.152 m");
-    let warnings = &pinned.initial().warnings;
-    let words = "12 of 12 strands are too short to be held: they lack up to 0.01 m";
-    assert!(warnings.iter().any(|warning| warning.text == words), "{warnings:?}");
     let rest = pinned.initial().hair.positions.clone();
     for step in 1..=100 {
         let pose = free.scene().bodies[0].motion.at(f64::from(step) * free.dt());
@@ -116,6 +108,28 @@ fn pins_are_those_that_a_host_moves() {
     let apart = a.iter().zip(&b).map(|(a, b)| a.distance(*b)).fold(0.0, f64::max);
     println!("apart by {apart:.1e} m, gap {:.1e} m", gap(&pinned));
     assert!(gap(&pinned) < 1e-4 && apart < 1e-5 && a[10].distance(rest[10]) > 0.01, "{apart} m");
+}
+
+/// A pin that no strand reaches is refused; where only some are too short, those are said.
+#[test]
+fn strands_that_are_too_short_are_said() {
+    let of = |length: f64| {
+        let mut scene = Scene::new(Time { settle: 1.0, ..Time::new(1e-3, 0.1) });
+        // A tenth more than the way to it, which is 0.16 m from the centre of the disc and 0.168 m from its edge.
+        let ring = Ring { center: [0.0, -0.16, 0.0], radius: 1e-6, normal: None };
+        let pins = vec![Pin { ring: Some(ring), ..Pin::default() }];
+        let roots = Roots::disc([0.0; 3], 0.05).toward([0.0, -1.0, 0.0]);
+        scene.hair.push(Hair { pins, ..Hair::drawn(200, 21, length, roots) });
+        scene.interaction.model = Some(Model::None);
+        InitialState::new(&scene)
+    };
+    let error = of(0.17).unwrap_err().to_string();
+    let words = "hair.pin: no strand is long enough: the longest has 0.17 m, and the pin takes 0.176";
+    assert!(error.starts_with(words), "{error}");
+    let warnings = of(0.18).unwrap().warnings;
+    let said = |text: &str| text.contains("of 200 strands are too short to be held: they lack up to 0.0042 m");
+    assert!(warnings.iter().any(|warning| said(&warning.text)), "{warnings:?}");
+    assert!(of(0.19).unwrap().warnings.iter().all(|warning| warning.code != "pin"));
 }
 
 /// A ring in the head that its strands are on has a warning.

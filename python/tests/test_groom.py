@@ -64,6 +64,13 @@ def test_rest_curvature_curls(bare):
         assert np.allclose(one, other, atol=1e-6)
 
 
+def test_stiffer_roots_hang_less(bare):
+    """A beam of constant stiffness is a factor of 1; one that is four times as stiff sags a quarter as far."""
+    sag = lambda stiffness: 0.0 - rest(bare, ws.Groom(level(1, 11, 0.02), stiffness=stiffness))[0, -1, 1]
+    plain, stiff = sag(None), sag([[0.3, 4.0]])
+    assert plain == sag([[0.0, 1.0]]) and stiff == pytest.approx(plain / 4, rel=0.05)
+
+
 def test_ends_are_held_as_they_say(bare):
     points = level()
     held = rest(bare, ws.Groom(points, root=["clamped", "pinned", "free"], tip=np.array(["free", "free", "pinned"])), 2.0)
@@ -120,6 +127,9 @@ def test_ends_are_held_as_they_say(bare):
         ("root", "glued"),
         ("root", ["free"]),
         ("tip", 3),
+        ("stiffness", 2.0),
+        ("stiffness", [[0.5, -1.0]]),
+        ("stiffness", [[0.5, 1.0], [0.2, 1.0]]),
     ],
 )
 def test_faults_name_their_argument(name, value):

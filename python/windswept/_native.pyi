@@ -163,6 +163,8 @@ class Groom:
             leaves strands with a clamped root as they are given; those of another root are warned of. Not with rest_curvature.
         guides: `(strands,)` bool, which strands are simulated; the others follow the three of those whose roots are nearest. None: all
             are simulated.
+        stiffness: factor of the stiffness to bend and twist along each strand: `(pairs, 2)` floats, parts of the length from the
+            root, from 0 to 1, with the factors there, linear between. None: 1.
 
     Raises:
         ValueError: a wrong shape or dtype, a NaN; names the argument.
@@ -189,6 +191,7 @@ class Groom:
         friction: _Array = 0.3,
         rest: _Rest = "weightless",
         guides: _Array | None = None,
+        stiffness: _Array | None = None,
     ) -> Self: ...
     @staticmethod
     def load(

@@ -1,18 +1,16 @@
 //! The commands that only look: `check`, `plan`, `adapters`.
 
-use std::{
-    path::Path,
-    time::{Duration, Instant},
-};
+use std::path::Path;
 
-use windswept::{AdapterChoice, Gpu, Simulation};
+use windswept::{AdapterChoice, Gpu};
 use windswept_export::{Followers, Schedule};
-use windswept_scene::{Air, CheckedForce, CheckedScene, InitialState, Scene};
+use windswept_scene::{CheckedForce, CheckedScene, InitialState, Scene};
 
 use crate::arguments::{Changes, SceneOptions};
 use crate::console::{Console, counted_frames};
 use crate::failure::Failure;
 use crate::groom::shown_box;
+use crate::trial::Trial;
 
 /// `windswept check`: the scene as it is understood, and the memory and the time that a run would take.
 pub(crate) fn check(
@@ -50,70 +48,6 @@ pub(crate) fn check(
     };
     console.print(format_args!("{:<9} {run}", "run"));
     Ok(())
-}
-
-/// Longest time that steps are tried, behind the first two \[s\].
-const TRIED: Duration = Duration::from_millis(500);
-
-/// A few steps of a scene on an adapter.
-struct Trial {
-    adapter: String,
-    /// Time of a step \[s\].
-    step: f64,
-    air_particles: u64,
-}
-
-impl Trial {
-    fn run(scene: &CheckedScene, initial: InitialState, adapter: Option<&str>) -> Result<Self, Failure> {
-        let gpu = Gpu::new(&AdapterChoice::from_flag(adapter))?;
-        // `with_state` leaves hair where the state has it, also with `time.settle`.
-        let mut simulation = Simulation::with_state(&gpu, scene, initial)?;
-        // The first step has its pipelines compiled, and the second one begins with the state that the first one left.
-        simulation.step(2)?;
-        let (start, mut steps) = (Instant::now(), 0);
-        while steps == 0 || start.elapsed() < TRIED {
-            simulation.step(1)?;
-            steps += 1;
-        }
-        let step = start.elapsed().as_secs_f64() / f64::from(steps);
-        Ok(Self { adapter: gpu.info().to_string(), step, air_particles: simulation.counts().air })
-    }
-
-    /// The time of the run's steps, and the spacings of air with which they would take a minute and an hour.
-    fn words(&self, scene: &CheckedScene) -> String {
-        let steps = Schedule::new(&scene.time, None).steps();
-        let whole = self.step * steps as f64;
-        let others: Vec<String> = [(60.0, "a minute"), (3600.0, "an hour")]
-            .into_iter()
-            .filter_map(|(seconds, period)| Some(format!("{} {period}", self.spacing(scene, whole / seconds)?)))
-            .collect();
-        let others =
-            if others.is_empty() { String::new() } else { format!("; with air.spacing = {}", others.join(", ")) };
-        let (whole, step) = (period(whole), 1e3 * self.step);
-        format!(
-            "about {whole} without pictures: {steps} steps, each computed in {step:.3} ms on {}{others}",
-            self.adapter
-        )
-    }
-
-    /// The spacing, to three digits, with which a step takes this part of its time, in proportion to its particles; `None`
-    /// where the scene's other keys do not go with it.
-    fn spacing(&self, scene: &CheckedScene, part: f64) -> Option<f64> {
-        let written = scene.scene();
-        let air = written.air.as_ref().filter(|air| self.air_particles > 0 && air.kernel_radius.is_none())?;
-        let spacing = format!("{:.2e}", air.spacing * part.cbrt()).parse().ok()?;
-        let other = Scene { air: Some(Air { spacing, ..air.clone() }), ..written.clone() };
-        other.check().is_ok().then_some(spacing)
-    }
-}
-
-/// A time for people.
-fn period(seconds: f64) -> String {
-    match seconds {
-        ..100.0 => format!("{seconds:.1} s"),
-        ..6000.0 => format!("{:.1} minutes", seconds / 60.0),
-        _ => format!("{:.1} hours", seconds / 3600.0),
-    }
 }
 
 /// `windswept check --schema`.

@@ -18,6 +18,7 @@ mod render;
 mod run;
 #[cfg(feature = "spectrum")]
 mod spectrum;
+mod trial;
 #[cfg(feature = "validate")]
 mod validate;
 

@@ -38,6 +38,11 @@ impl Progress {
 
     /// `time` is the simulated time [s].
     pub(crate) fn show(&mut self, done: u64, time: f64, console: &mut Console<'_>) {
+        if done == self.from {
+            // Before the first step there was the picture of the start.
+            self.started = Instant::now();
+            self.bar.iter().for_each(ProgressBar::reset_eta);
+        }
         if let Some(bar) = &self.bar {
             bar.set_message(format!("{time:.3}"));
             bar.set_position(done);

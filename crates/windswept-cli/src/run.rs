@@ -18,6 +18,7 @@ use crate::output::Output;
 use crate::progress::Progress;
 
 pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(), Failure> {
+    let began = Instant::now();
     let begun = match options.asked() {
         Asked::Start(scene, out) => start(options, scene, out, console)?,
         Asked::GoOn(dir) => go_on(options, dir, console)?,
@@ -27,7 +28,6 @@ pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(),
     if options.trace.is_some() {
         filmed.simulation.keep_trace();
     }
-    let started = Instant::now();
     let mut progress = Progress::new("steps", filmed.simulation.steps(), steps, console.terminal);
     let stepped = filmed.run(&mut run, options.on_blowup, &interrupt, &mut progress, console);
     progress.finish();
@@ -55,7 +55,7 @@ pub(crate) fn run(options: &RunOptions, console: &mut Console<'_>) -> Result<(),
         "{}: {frames}{} of {steps} steps in {:.1} s{}",
         output.dir().display(),
         report.steps,
-        started.elapsed().as_secs_f64(),
+        began.elapsed().as_secs_f64(),
         report.ms_per_step.map(|ms| format!(" (median {ms:.1} ms a step)")).unwrap_or_default(),
     );
     if report.steps < steps {
@@ -84,6 +84,9 @@ fn start(options: &RunOptions, path: &Path, out: &Path, console: &mut Console<'_
     let output = Output::check(options, path, out)?;
     let gpu = Gpu::new(&AdapterChoice::from_flag(options.adapter.as_deref()))?;
     console.note(format_args!("running on {}", gpu.info()));
+    if scene.time.settle > 0.0 {
+        console.note(format_args!("hair settles for {} s before the run", scene.time.settle));
+    }
     let mut simulation = Simulation::new(&gpu, &scene)?;
     for warning in simulation.initial().warnings.iter().cloned().chain(Schedule::warning(&scene.time)) {
         console.warn(warning);

@@ -356,8 +356,9 @@ fn looking_needs_no_folder() {
         "72 steps of 1.38 ms, 7 frames",
         "memory",
         "run       about ",
-        " s without pictures: 72 steps, each computed in ",
-        "ms on llvmpipe",
+        " s on llvmpipe",
+        ": 72 steps of ",
+        " ms, 7 pictures of ",
     ] {
         assert!(said.contains(word), "{word}: {said}");
     }

@@ -11,9 +11,9 @@
 //! guide's root. The weights are those with which the guides' roots average to the follower's, where that lies within
 //! their triangle, so that a rigid motion of all roots moves followers rigidly; and by the inverse square of the
 //! distance outside. At the start each follower has its own shape exactly, whatever the guides are: locks and curls do
-//! not average away. Its segments keep the lengths that they have there, by a second pass over its points
-//! (`lengths.rs`). Where the group says so they gather to locks (`clump.rs`). A follower that this leads into a body is
-//! laid on the body (`outside.rs`). Strands among the followers are left as the simulation has them.
+//! not average away. Where the group says so followers gather to locks (`clump.rs`). Segments keep the lengths that
+//! they have at the start, by a second pass over a follower's points (`lengths.rs`), and a follower that this leads into a
+//! body is laid on the body (`outside.rs`). Strands among the followers are left as the simulation has them.
 //!
 //! Velocities are the derivative of the places, but for how the frames turn, which is nothing where weights average the
 //! roots, and for what a body changes.
@@ -371,12 +371,11 @@ impl Followers {
             if !bond.is_strand {
                 let first = ends[0] as usize;
                 let velocities = hair.velocities.get_mut(first..).unwrap_or_default();
-                lengths::keep(at_start, &mut hair.positions[first..], velocities);
                 if let Some(lock) = lock {
                     gather(strands, lock, &mut hair.positions[first..], &strands.positions);
-                    let velocities = hair.velocities.get_mut(first..).unwrap_or_default();
                     gather(strands, lock, velocities, &strands.velocities);
                 }
+                lengths::keep(at_start, &mut hair.positions[first..], velocities);
                 bodies.keep_out(&mut hair.positions[first..]);
             }
         }

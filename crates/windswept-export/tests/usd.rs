@@ -144,6 +144,20 @@ fn go_on(folder: &Path, times: &[f64]) -> Result<UsdWriter, ExportError> {
     UsdWriter::go_on(folder, &frame(0).hair, scenery(), &time(), times)
 }
 
+/// Strands of two groom files with the same numbers have their indices as `groom_id`.
+#[test]
+fn a_groom_id_is_of_one_curve() {
+    for (ids, words) in [(vec![5, 0, 9], "[5, 0, 9]"), (vec![5, 0, 5], "[0, 1, 2]"), (vec![], "[0, 1, 2]")] {
+        let folder = tempfile::tempdir().unwrap();
+        let hair = HairFrame { ids, ..frame(0).hair };
+        let mut writer = UsdWriter::create(folder.path(), &hair, scenery(), &time(), &PROVENANCE).unwrap();
+        writer.append(&Frame { hair, ..frame(0) }).unwrap();
+        let text = LAYERS.map(|name| std::fs::read_to_string(folder.path().join(name)).unwrap()).concat();
+        let line = text.lines().find(|line| line.contains("primvars:groom_id")).unwrap();
+        assert!(line.contains(words), "{line}");
+    }
+}
+
 /// Frames are at whole time codes where a whole number of steps is as long as a frame, however the step is rounded;
 /// else at the steps' own, which a note says.
 #[test]

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::{prelude::*, types::PyBytes};
 use windswept_scene::{
-    Curves, End, Fibre, GroomFile, Moduli, PerStrand, RestCurvature, RestShape, Stiffness, keys::Key,
+    Curves, End, Fibre, GroomFile, Moduli, PerStrand, Profile, RestCurvature, RestShape, Stiffness, keys::Key,
 };
 
 use crate::{
@@ -48,6 +48,8 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 ///         leaves strands with a clamped root as they are given; those of another root are warned of. Not with rest_curvature.
 ///     guides: `(strands,)` bool, which strands are simulated; the others follow the three of those whose roots are nearest. None: all
 ///         are simulated.
+///     stiffness: factor of the stiffness to bend and twist along each strand: `(pairs, 2)` floats, parts of the length from the
+///         root, from 0 to 1, with the factors there, linear between. None: 1.
 ///
 /// Raises:
 ///     ValueError: a wrong shape or dtype, a NaN; names the argument.
@@ -65,10 +67,10 @@ impl Groom {
     #[pyo3(signature = (
         points, offsets=None, group=None, radius=None, density=None, youngs_modulus=None, poissons_ratio=None,
         rest_curvature=None, root_frame=None, root=None, tip=None, fibres_per_strand=None, point_mass=None, aspect=None,
-        tip_frame=None, friction=None, rest=None, guides=None
+        tip_frame=None, friction=None, rest=None, guides=None, stiffness=None
     ), text_signature = "(points, offsets=None, group=None, radius=4e-5, density=1320.0, youngs_modulus=4e9, \
         poissons_ratio=0.38, rest_curvature=None, root_frame=None, root='clamped', tip='free', fibres_per_strand=1.0, \
-        point_mass=None, aspect=1.0, tip_frame=None, friction=0.3, rest='weightless', guides=None)")]
+        point_mass=None, aspect=1.0, tip_frame=None, friction=0.3, rest='weightless', guides=None, stiffness=None)")]
     fn new(
         py: Python<'_>,
         points: &Bound<'_, PyAny>,
@@ -89,6 +91,7 @@ impl Groom {
         friction: Option<&Bound<'_, PyAny>>,
         rest: Option<&str>,
         guides: Option<&Bound<'_, PyAny>>,
+        stiffness: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
         let (points, offsets) = strands(points, offsets)?;
         let mut groom = windswept_scene::Groom::new(points, offsets);
@@ -130,6 +133,7 @@ impl Groom {
         if let Some(value) = tip {
             groom.tip = ends("tip", value)?;
         }
+        groom.stiffness = stiffness.map(profile).transpose()?;
         groom.rest = rest.map_or(Ok(RestShape::Weightless), rest_shape)?;
         groom.rest_curvature = rest_curvature.map(|value| curvature(value, &groom)).transpose()?;
         groom.check().map_err(|error| scene_error(py, &error))?;
@@ -318,6 +322,15 @@ fn scalars(name: &str, value: &Bound<'_, PyAny>) -> PyResult<PerStrand<f64>> {
         0 => Ok(numbers[0].into()),
         1 => Ok(numbers.into()),
         _ => Err(of_value(name, format!("expected a scalar or shape (strands,), found {}", shown(&shape)))),
+    }
+}
+
+/// Pairs of a part of the length and a factor.
+fn profile(value: &Bound<'_, PyAny>) -> PyResult<Profile> {
+    let (numbers, shape) = values("stiffness", value, Numbers::Any)?;
+    match shape[..] {
+        [_, 2] => Ok(Profile(chunks(&numbers))),
+        _ => Err(of_value("stiffness", format!("expected shape (pairs, 2), found {}", shown(&shape)))),
     }
 }
 

@@ -29,11 +29,15 @@ pub(crate) fn set(text: &str, assignment: &str) -> Result<String, SceneError> {
         let value = document::short(value.trim());
         fault(format!("{value} is not a TOML value"))
     })?;
-    let mut document: DocumentMut = text.parse().map_err(|error| document::syntax(&error))?;
+    let mut document: DocumentMut = text.parse().map_err(|error| document::syntax(text, &error))?;
     Some(())
         .filter(|()| path.len() <= DEEPEST)
         .and_then(|()| assign(document.as_table_mut(), &path, value))
-        .ok_or_else(|| fault(format!("{} leads nowhere in this scene", document::short(key.trim()))))?;
+        .ok_or_else(|| {
+            let error = fault(format!("{} leads nowhere in this scene", document::short(key.trim())));
+            let help = path.split_first().and_then(|(table, rest)| several(&document, table, &rest.join(".")));
+            help.into_iter().fold(error, |error, help| error.with_help(help))
+        })?;
     Ok(document.to_string())
 }
 
@@ -108,6 +112,16 @@ fn assign(table: &mut dyn TableLike, path: &[&str], value: Value) -> Option<()> 
             assign(table, if itself { &rest[1..] } else { rest }, value)
         }
     }
+}
+
+/// Advice on the key `rest` of one of several tables.
+fn several(document: &DocumentMut, table: &str, rest: &str) -> Option<String> {
+    let array = document.get(table)?.as_array_of_tables().filter(|array| array.len() > 1)?;
+    let names: Vec<&str> = array.iter().filter_map(|each| each.get("name")?.as_str()).collect();
+    let example = names.first().map_or_else(|| "0".to_owned(), |name| document::short(name));
+    Some(format!(
+        "there are several [[{table}]], one of which is meant by its name or number: {table}.{example}.{rest}"
+    ))
 }
 
 /// Whether `table`, of the key `key`, has this name; hair or a body without one has the default.

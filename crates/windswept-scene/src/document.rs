@@ -63,7 +63,7 @@ impl Document {
     /// # Errors
     /// [`SceneError`] for wrong syntax.
     pub(crate) fn parse(text: &str, sets: Option<&[String]>, faults: &Faults) -> Result<Self, SceneError> {
-        let toml = Toml::parse(text).map_err(|error| syntax(&error))?;
+        let toml = Toml::parse(text).map_err(|error| syntax(text, &error))?;
         let mut document = Self { sets: sets.map(<[_]>::to_vec), ..Self::default() };
         document.table(toml.as_table(), "", &faults.root());
         Ok(document)
@@ -279,9 +279,18 @@ pub(crate) fn short(text: &str) -> String {
     }
 }
 
-pub(crate) fn syntax(error: &TomlError) -> SceneError {
+pub(crate) fn syntax(text: &str, error: &TomlError) -> SceneError {
     let lines: Vec<&str> = error.message().trim().lines().map(str::trim).collect();
-    SceneError::new(format!("not TOML: {}", lines.join("; "))).with_span(error.span())
+    let fault = SceneError::new(format!("not TOML: {}", lines.join("; "))).with_span(error.span());
+    let key = error.span().and_then(|at| Some((text.get(..at.start)?, text.get(at)?)));
+    match key {
+        Some((before, name))
+            if before.ends_with('[') && Key::find(name).is_some_and(|key| key.kind == Kind::Tables) =>
+        {
+            fault.with_help(format!("several of them are [[{name}]] each, with a name"))
+        }
+        _ => fault,
+    }
 }
 
 /// The nearest key by its whole path, or one that ends in the same name. Of an unknown table of a scene the nearest table.

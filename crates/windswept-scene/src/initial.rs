@@ -161,7 +161,7 @@ impl InitialState {
         if hair.is_empty() && filled.is_none() {
             return Err(SceneError::new("is missing: the scene has neither hair nor air particles").at("hair", None));
         }
-        let pins = pins::pinned(scene, &hair, &mut warnings);
+        let pins = pins::pinned(scene, &hair, &mut warnings)?;
         let mut state = Self { hair, pins, warnings, ..Self::default() };
         if let Some((air, bounds)) = filled {
             let bounds = box_fit::cut(scene, air, bounds, &state.hair)?;

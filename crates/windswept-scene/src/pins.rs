@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use crate::{
     body::CheckedBody,
     declare::table,
+    error::SceneError,
     faults::At,
     keys::{
         Fallback::{Derived, Required},
@@ -84,7 +85,11 @@ impl Pinned {
 }
 
 /// Points that the pins of all groups hold, with strands where the scene's motions have them at the start.
-pub(crate) fn pinned(scene: &SceneValues, hair: &Strands, warnings: &mut Vec<Warning>) -> Vec<Pinned> {
+pub(crate) fn pinned(
+    scene: &SceneValues,
+    hair: &Strands,
+    warnings: &mut Vec<Warning>,
+) -> Result<Vec<Pinned>, SceneError> {
     let mut all = Vec::new();
     for (group, own) in scene.hair.iter().enumerate() {
         for pin in &own.pins {
@@ -99,14 +104,25 @@ pub(crate) fn pinned(scene: &SceneValues, hair: &Strands, warnings: &mut Vec<War
                 }
             }
             let (mut short, mut lacks) = (0, 0.0_f64);
+            let (mut longest, mut least) = (0.0_f64, f64::INFINITY);
             for (k, &s) in strands.iter().enumerate() {
                 match holder.hold(hair, s, k) {
                     Ok(held) => all.extend(held),
-                    Err(lack) => (short, lacks) = (short + 1, lacks.max(lack)),
+                    Err(Short { at, length }) => {
+                        (short, lacks) = (short + 1, lacks.max(at - length));
+                        (longest, least) = (longest.max(length), least.min(at));
+                    }
                 }
             }
+            let of = strands.len();
+            if short > 0 && short == of {
+                let (longest, least) = (rounded(longest), rounded(least));
+                let text = format!(
+                    "no strand is long enough: the longest has {longest} m, and the pin takes {least} m at least"
+                );
+                return Err(SceneError::new(text).at(format!("{}.pin", scene.called(group)), None));
+            }
             if short > 0 {
-                let of = strands.len();
                 warn(format!("{short} of {of} strands are too short to be held: they lack up to {} m", rounded(lacks)));
             }
         }
@@ -120,7 +136,15 @@ pub(crate) fn pinned(scene: &SceneValues, hair: &Strands, warnings: &mut Vec<War
         }
         same
     });
-    all
+    Ok(all)
+}
+
+/// A strand that ends before the place of its pin.
+struct Short {
+    /// Way from the root to the pin \[m\].
+    at: f64,
+    /// Length of the strand \[m\].
+    length: f64,
 }
 
 /// A pin of a group of strands, with what it holds them at.
@@ -151,9 +175,8 @@ impl<'a> Holder<'a> {
         self.body.as_ref().map_or(x, |(_, body, pose)| pose.written(body.shape.center(), x))
     }
 
-    /// The point of strand `s`, the `k`th of the group, if it is not held in any case; an error with what the strand lacks
-    /// to the pin \[m\].
-    fn hold(&self, hair: &Strands, s: usize, k: usize) -> Result<Option<Pinned>, f64> {
+    /// The point of strand `s`, the `k`th of the group, if it is not held in any case.
+    fn hold(&self, hair: &Strands, s: usize, k: usize) -> Result<Option<Pinned>, Short> {
         let lengths = &hair.rest_length[hair.segments(s)];
         let root = hair.points(s).start;
         let whole: f64 = lengths.iter().sum();
@@ -166,7 +189,9 @@ impl<'a> Holder<'a> {
             along
         });
         let ends: Vec<f64> = ends.collect();
-        let Some(next) = ends.iter().position(|end| *end >= at * (1.0 - 1e-9)) else { return Err(at - whole) };
+        let Some(next) = ends.iter().position(|end| *end >= at * (1.0 - 1e-9)) else {
+            return Err(Short { at, length: whole });
+        };
         // A tie needs all of the way; another pin is at the point that is nearest, but at no root.
         let before = if next > 0 && seat.is_none() { ends[next - 1] } else { f64::NEG_INFINITY };
         let point = root + if at - before < ends[next] - at { next } else { next + 1 };

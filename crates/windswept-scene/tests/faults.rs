@@ -230,6 +230,12 @@ fn groups_have_names_and_faults_of_their_own() {
     let text = two_groups("name = \"1\"", "name = \"fringe\"\nstrands = 1").unwrap().scene().text().to_owned();
     let error = parse(&text.replacen("length = 0.1\n", "", 1)).unwrap_err();
     assert_eq!((error.key(), error.line()), (Some("hair.1.length"), Some(4)), "{error}");
+    // Two tables [hair] are two of [[hair]], which TOML does not say.
+    let error = parse(&format!("{SMALL}\n[hair]\nstrands = 1\n")).unwrap_err().to_string();
+    assert!(
+        error.contains("duplicate key") && error.contains("several of them are [[hair]] each, with a name"),
+        "{error}"
+    );
     // A lone [[hair]] needs no index.
     let error = parse(&SMALL.replace("[hair]", "[[hair]]").replace("points = 4", "points = 1")).unwrap_err();
     assert_eq!(error.key(), Some("hair.points"));
@@ -271,7 +277,8 @@ fn a_group_is_addressed_by_its_name() {
     let two = two_groups("name = \"a\"", "name = \"b\"\nstrands = 1").unwrap().scene().text().to_owned();
     let scene = set(&two, &["hair.b.radius=5e-5", "hair.0.radius=6e-5"]).unwrap();
     assert_eq!(scene.hair.iter().map(|hair| hair.fibre.radius).collect::<Vec<_>>(), [6e-5, 5e-5]);
-    assert!(set(&two, &["hair.radius=5e-5"]).unwrap_err().to_string().contains("leads nowhere"));
+    let shown = set(&two, &["hair.radius=5e-5"]).unwrap_err().to_string();
+    assert!(shown.contains("leads nowhere") && shown.contains("by its name or number: hair.a.radius"), "{shown}");
     for (text, assignment) in
         [(&one, "hair.fringe.friction=-1"), (&two, "hair.b.friction=-1"), (&two, "hair.b.frition=1")]
     {

@@ -291,12 +291,12 @@ fn strands_far_shorter_than_the_rest_are_named() {
     assert_eq!(of(4e-3).1, Vec::<String>::new());
 }
 
-/// Arrays of unlike strands are filled up behind the tips, with zeros, not-a-numbers or repeats: no part of a strand.
+/// Arrays of unlike strands are filled up behind the tips, with a constant, not-a-numbers or repeats: no part of a strand.
 #[test]
 fn padding_is_cut_off_and_counted() {
     let folder = Folder::new();
     let line = |x: f64, n: usize| (0..n).map(|k| [x, -0.01 * k as f64, 0.0]).collect::<Vec<_>>();
-    for fill in [Some(0.0), Some(f64::NAN), None] {
+    for fill in [Some(0.0), Some(-1.0), Some(f64::NAN), None] {
         let mut points = Vec::new();
         for (x, n) in [(0.1, 8), (0.2, 5), (0.3, 2)] {
             let strand = line(x, n);

@@ -1,7 +1,7 @@
 //! Hair that comes to rest before a run begins: `time.settle`.
 
 use glam::{DQuat, DVec3};
-use windswept_scene::{CheckedScene, InitialState, Model, Pinned, Warning, around};
+use windswept_scene::{AsChecked, CheckedScene, InitialState, Model, Pinned, Warning, around};
 
 use super::{Origin, Simulation};
 use crate::{
@@ -11,27 +11,37 @@ use crate::{
 
 /// Part of the time of settling in which pins gather strands.
 const GATHERING: f64 = 0.7;
-/// Speed of hair that has not come to rest \[m/s\].
+/// Root mean square of the speed of hair that has not come to rest \[m/s\].
 const MOVING: f64 = 0.05;
 /// Way of a pin that is rounding \[m\].
 const SMALLEST: f64 = 1e-9;
 
 impl Simulation {
-    /// Lets hair hang and lie for `time.settle` in still air, with roots and bodies where they are at the start. The state
-    /// has its places and directions then, at rest; its rest shape stays.
+    /// The simulation in which hair comes to rest before a run of this scene begins, in still air and with roots and bodies
+    /// where they are at the start, and its number of steps; `None` without `time.settle` or hair.
+    ///
+    /// # Errors
+    /// As [`Self::with_state`].
+    pub fn settling(gpu: &Gpu, scene: &impl AsChecked, initial: &InitialState) -> Result<Option<(Self, u64)>, Error> {
+        let scene = &*scene.as_checked()?;
+        let steps = (scene.time.settle / scene.time.step).round() as u64;
+        if steps == 0 || initial.hair.is_empty() {
+            return Ok(None);
+        }
+        let (hair, pins, origin) = (initial.hair.clone(), initial.pins.clone(), initial.origin);
+        let alone = InitialState { hair, pins, origin, ..InitialState::default() };
+        Ok(Some((Self::build(gpu, &in_still_air(scene), alone, Origin::Validated)?, steps)))
+    }
+
+    /// Lets hair hang and lie for `time.settle`. The state has its places and directions then, at rest; its rest shape
+    /// stays.
     pub(super) fn settle(
         gpu: &Gpu,
         scene: &CheckedScene,
         initial: &mut InitialState,
         stop: impl FnMut() -> bool,
     ) -> Result<(), Error> {
-        let steps = (scene.time.settle / scene.time.step).round() as u64;
-        if steps == 0 || initial.hair.is_empty() {
-            return Ok(());
-        }
-        let (hair, pins, origin) = (initial.hair.clone(), initial.pins.clone(), initial.origin);
-        let alone = InitialState { hair, pins, origin, ..InitialState::default() };
-        let mut settling = Self::build(gpu, &in_still_air(scene), alone, Origin::Validated)?;
+        let Some((mut settling, steps)) = Self::settling(gpu, scene, initial)? else { return Ok(()) };
         settling.gather(scene, steps, stop).map_err(|error| match error {
             RunError::Gpu(error) => Error::Gpu(error),
             error => Error::Scene(scene.scene().fault("time.settle", &format!("hair does not settle: {error}"))),
@@ -41,11 +51,12 @@ impl Simulation {
         }
         let s = settling.engine.state();
         let [places, speeds, frames] = settling.engine.read_vec4([&s.position, &s.velocity, &s.orientation])?;
-        let speed = |[x, y, z, _]: &[f32; 4]| DVec3::new((*x).into(), (*y).into(), (*z).into()).length();
-        let fastest = speeds.iter().map(speed).fold(0.0, f64::max);
-        if fastest > MOVING {
+        let speed = |[x, y, z, _]: &[f32; 4]| DVec3::new((*x).into(), (*y).into(), (*z).into()).length_squared();
+        // A strand that trembles between bodies does so for ever.
+        let rms = (speeds.iter().map(speed).sum::<f64>() / speeds.len() as f64).sqrt();
+        if rms > MOVING {
             let text = format!(
-                "hair still moves at up to {fastest:.2} m/s after {} s, and is stopped there: a longer time lets it come to rest",
+                "hair still moves at {rms:.2} m/s rms after {} s, and is stopped there: a longer time lets it come to rest",
                 scene.time.settle
             );
             initial.warnings.push(Warning::new("settle", "time.settle", text));

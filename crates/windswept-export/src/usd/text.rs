@@ -1,5 +1,6 @@
 //! Text of a film's layers and files.
 
+use std::collections::HashSet;
 use std::fmt::Write as _;
 
 use glam::{DMat3, DVec3};
@@ -223,9 +224,12 @@ fn still(hair: &HairFrame) -> String {
         list(&mut text, "float[] widths", widths, Some("vertex"));
     }
     let uniform = Some("uniform");
-    match &hair.ids[..] {
-        [] => list(&mut text, "int[] primvars:groom_id", 0..hair.offsets.len() - 1, uniform),
-        ids => list(&mut text, "int[] primvars:groom_id", ids.iter().map(|&id| id as i32), uniform),
+    // Strands of two groom files may have the same numbers, and a groom_id is that of one curve.
+    let mut known = HashSet::new();
+    if hair.ids.is_empty() || !hair.ids.iter().all(|id| known.insert(id)) {
+        list(&mut text, "int[] primvars:groom_id", 0..hair.offsets.len() - 1, uniform);
+    } else {
+        list(&mut text, "int[] primvars:groom_id", hair.ids.iter().map(|&id| id as i32), uniform);
     }
     if !hair.groups.is_empty() {
         let groups = hair.groups.iter().map(|&group| group as i32);

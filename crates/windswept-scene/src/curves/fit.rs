@@ -1,7 +1,7 @@
 //! Curves made fit to be simulated: in metres and Y up, without strands that cannot be, as many strands and points as
 //! asked for.
 
-use std::{fmt, ops::RangeInclusive};
+use std::{collections::HashSet, fmt, ops::RangeInclusive};
 
 use glam::DVec3;
 use rand::{Rng, SeedableRng};
@@ -136,19 +136,25 @@ impl Curves {
         all
     }
 
-    /// The curves without the points that fill an array behind their tips: not-a-numbers, repeats of the tip, or zeros
-    /// where a strand ends in two or more; and how many curves had some. A curve of which less than a segment would be
+    /// The curves without the points that fill an array behind their tips: not-a-numbers, repeats of the tip, or a
+    /// number such as 0 or -1 for all three coordinates where a strand ends in two or more; and how many curves had some. A curve of which less than a segment would be
     /// left stays as it is.
     #[must_use]
     pub fn without_padding(self) -> (Self, usize) {
-        let is_zero = |x: &[f64; 3]| *x == [0.0; 3];
         let last = |s: usize, n: usize| &self.strand(s)[..n];
-        let ends_in_zeros = |s: usize| matches!(self.strand(s), [_, .., a, b] if is_zero(a) && is_zero(b));
-        let zeros = (0..self.len()).any(ends_in_zeros);
+        // Zero has two signs.
+        let constant = |x: &[f64; 3]| (*x == [x[0]; 3]).then_some((x[0] + 0.0).to_bits());
+        let fill = |s: usize| match self.strand(s) {
+            [_, .., a, b] if a == b => constant(b),
+            _ => None,
+        };
+        let constants: HashSet<u64> = (0..self.len()).filter_map(fill).collect();
         let count = |s: usize| {
             let mut n = self.range(s).len();
             let fills = |strand: &[[f64; 3]]| match strand {
-                [.., a, b] => a == b || b.iter().all(|x| x.is_nan()) || (zeros && is_zero(b)),
+                [.., a, b] => {
+                    a == b || b.iter().all(|x| x.is_nan()) || constant(b).is_some_and(|x| constants.contains(&x))
+                }
                 _ => false,
             };
             while fills(last(s, n)) {
