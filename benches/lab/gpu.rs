@@ -16,13 +16,23 @@ use windswept_shaders::common::lanes::LANES;
 use windswept_validate::{CHECKS, Row};
 
 use crate::{
-    Lab, Result, provenance, step,
-    timing::{Timed, scene},
+    Lab, Result, provenance,
+    step::{self, Setting},
 };
 
-/// Scenes of `bench step` that are timed, and that of a quick run.
+/// Scenes of `bench step` that are timed beside those of [`step::of_strands`], and that of a quick run.
 const SCENES: [&str; 3] = ["fig2b", "fig3c", "2 million particles"];
 const SMALL: [&str; 1] = ["quick"];
+/// Goals for a step on an H100 or H200 \[ms\].
+const GOALS: [(&str, f64); 5] = [
+    ("fig2b", 1.0),
+    ("2 million particles", 5.5),
+    ("10 000 x 25, drag", 1.0),
+    ("50 000 x 25, drag", 4.0),
+    ("10 000 x 25, two-way, head", 8.0),
+];
+/// Frames of a second that are shown at true speed.
+const FRAME_RATE: f64 = 60.0;
 
 #[derive(clap::Args, Default)]
 pub(crate) struct Arguments {
@@ -36,6 +46,10 @@ pub(crate) struct Arguments {
     /// Steps of each scene that are timed pass by pass, and as many that are timed as a whole
     #[arg(long, default_value_t = 20)]
     steps: u64,
+    /// Scenes of `bench step` to time, with ; between them [default: the paper's, of two million particles and of 10 000 to
+    /// 100 000 strands]
+    #[arg(long, value_name = "NAME", value_delimiter = ';')]
+    scenes: Vec<String>,
     /// Leave the checks out
     #[arg(long)]
     unchecked: bool,
@@ -57,11 +71,13 @@ impl Arguments {
 
 pub(crate) fn run(lab: &Lab, arguments: &Arguments) -> Result<()> {
     let checked = if arguments.unchecked || lab.quick { Value::Null } else { check(&lab.gpu)? };
-    let scenes = step::scenes(if lab.quick { &SMALL } else { &SCENES })?;
-    let scenes: Vec<_> = scenes
-        .into_iter()
-        .map(|(name, file, keys)| measure(lab, name, file, keys, arguments))
-        .collect::<Result<_>>()?;
+    let named = |names: &[&str]| names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>();
+    let scenes = match (&arguments.scenes[..], lab.quick) {
+        ([], true) => step::scenes(&named(&SMALL))?,
+        ([], false) => [step::scenes(&named(&SCENES))?, step::of_strands()].concat(),
+        (names, _) => step::scenes(names)?,
+    };
+    let scenes: Vec<_> = scenes.iter().map(|setting| measure(lab, setting, arguments)).collect::<Result<_>>()?;
     let mut document = json!({
         "command": std::env::args().skip(1).collect::<Vec<_>>().join(" "),
         "operations": "those on f32 in the text of a pass (windswept_shaders::Operations), with the neighbours that there are; `more` where \
@@ -104,10 +120,11 @@ fn check(gpu: &Gpu) -> Result<Value> {
     Ok(json!({ "rows": rows.len(), "passed": true }))
 }
 
-fn measure(lab: &Lab, name: &str, file: &str, keys: &[&str], arguments: &Arguments) -> Result<Value> {
-    let scene = scene(file, keys)?;
-    let plan = windswept::plan(&scene.0.check()?)?;
-    let mut timed = Timed::new(&lab.gpu, &scene)?;
+fn measure(lab: &Lab, setting: &Setting, arguments: &Arguments) -> Result<Value> {
+    let (scene, mut timed) = setting.timed(lab)?;
+    let name = &setting.name;
+    let goal = GOALS.iter().find(|goal| goal.0 == name).map(|goal| goal.1);
+    let plan = windswept::plan(&scene.check()?)?;
     let steps = lab.rounds(arguments.steps);
     let mut passes = Vec::new();
     let (mut gpu_ms, mut all_bytes, mut all_operations) = (0.0, 0, 0);
@@ -143,14 +160,20 @@ fn measure(lab: &Lab, name: &str, file: &str, keys: &[&str], arguments: &Argumen
     let in_a_row = started.elapsed().as_secs_f64() * 1e3 / steps as f64;
     let (least, median) = (walls[0], walls[walls.len() / 2]);
     let particles = timed.simulation.engine().sizes().particles;
+    let dispatches: u32 = plan.iter().filter(|row| row.skipped.is_none()).map(|row| row.runs).sum();
+    // Of a simulation that runs on, without pictures.
+    let frames_per_second = 1e3 / (in_a_row / (FRAME_RATE * timed.simulation.dt()));
+    let beside = goal.map_or_else(String::new, |goal| format!(" (goal on an H100: {goal} ms)"));
     println!(
-        "{name}: {particles} particles, passes {gpu_ms:.3} ms, a step by itself {median:.3} ms \
-         (least {least:.3}), in a row {in_a_row:.3} ms, \
-         on the GPU {on_the_gpu:.3} ms, encoded in {of_the_host:.3} ms"
+        "{name}: {particles} particles, {dispatches} dispatches, passes {gpu_ms:.3} ms, a step by itself {median:.3} ms \
+         (least {least:.3}), in a row {in_a_row:.3} ms or {frames_per_second:.1} frames a second, \
+         on the GPU {on_the_gpu:.3} ms{beside}, encoded in {of_the_host:.3} ms"
     );
     let mut of_scene = json!({
         "name": name,
         "particles": particles,
+        "dispatches_of_a_step": dispatches,
+        "frames_per_second": frames_per_second,
         "memory_bytes": timed.simulation.engine().memory_bytes(),
         "ms_of_passes": gpu_ms,
         "ms_of_a_step_median": median,
@@ -162,6 +185,9 @@ fn measure(lab: &Lab, name: &str, file: &str, keys: &[&str], arguments: &Argumen
         "operations": all_operations,
         "passes": passes,
     });
+    if let Some(goal) = goal {
+        of_scene["goal_ms"] = goal.into();
+    }
     arguments.add_parts(&mut of_scene, all_bytes, all_operations, gpu_ms);
     Ok(of_scene)
 }

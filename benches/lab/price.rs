@@ -7,6 +7,7 @@
 use std::time::Instant;
 
 use windswept::PassReport;
+use windswept_scene::{InitialState, Scene};
 use windswept_validate::Sweep;
 
 use crate::{Lab, Result, provenance, results, timing};
@@ -32,8 +33,13 @@ const SCENES: [(&str, &str, &[&str]); 3] = [
 pub(crate) fn run(lab: &Lab, Arguments { small, rounds }: &Arguments) -> Result<()> {
     let started = Instant::now();
     let folder = if *small || lab.quick { "small/" } else { "" };
-    let scenes = SCENES.map(|(_, file, keys)| timing::scene(&format!("{folder}{file}"), keys));
-    let scenes = scenes.into_iter().collect::<Result<Vec<_>>>()?;
+    let of = |(_, file, keys): &(_, &str, &[&str])| -> Result<(Scene, InitialState)> {
+        let keys: Vec<String> = keys.iter().map(|key| (*key).to_owned()).collect();
+        let scene = timing::scene(&format!("{folder}{file}"), &keys)?;
+        let initial = InitialState::new(&scene)?;
+        Ok((scene, initial))
+    };
+    let scenes = SCENES.iter().map(of).collect::<Result<Vec<_>>>()?;
     let times = timing::by_turns(&lab.gpu, &scenes, lab.rounds(*rounds))?;
     // Of turbulence are its stage, and the sort into the grid's cells.
     let is_turbulence = |row: &&PassReport| row.band.is_some() || row.stage == "turbulence";

@@ -6,6 +6,9 @@
 
 use std::collections::BTreeMap;
 
+use windswept::Simulation;
+use windswept_scene::Scene;
+
 use crate::{
     Lab, Result, asked,
     timing::{Timed, scene},
@@ -51,6 +54,28 @@ const SCENES: [(&str, &str, &[&str]); 16] = [
     // The box has ten times the volume of fig2b's.
     ("2 million particles", "fig2b.toml", &["time.substeps=1", "air.box.max=[1.0,0.4,0.575]"]),
 ];
+/// Numbers of strands, of 25 points each, in scenes where the time of a step grows with hair: in air that drags it only, and
+/// in some million particles; from a disc, and from a head of life size on which it has settled.
+const STRANDS: [&str; 3] = ["10 000", "50 000", "100 000"];
+const IN_AIR: [(&str, &str, &[&str]); 4] = [
+    ("drag", "fig2b.toml", &["time.substeps=1", "interaction.model=drag"]),
+    ("drag, head", "looks.toml", &["time.settle=0.3"]),
+    (
+        "two-way",
+        "fig2b.toml",
+        &["time.substeps=1", "hair.roots.center=[0.15,0.2,0.2]", "hair.roots.radius=0.12", "air.box.max=[0.6,0.4,0.4]"],
+    ),
+    (
+        "two-way, head",
+        "looks.toml",
+        &[
+            "time.settle=0.3",
+            "interaction.model=two-way",
+            "air.spacing=0.006",
+            "air.box={min=[-0.3,-0.35,-0.4],max=[0.3,0.25,0.2]}",
+        ],
+    ),
+];
 /// Scenes that run by default: between them they have every stage but contact, and are short.
 const USUAL: [&str; 4] = ["quick", "published", "rods", "fig2b small"];
 
@@ -63,21 +88,49 @@ pub(crate) struct Arguments {
     steps: u64,
 }
 
-/// The scenes of these names.
-pub(crate) fn scenes(names: &[&str]) -> Result<Vec<&'static (&'static str, &'static str, &'static [&'static str])>> {
-    asked(&SCENES, |scene| scene.0, &names.iter().map(|name| (*name).to_owned()).collect::<Vec<_>>())
+/// A scene that is timed.
+#[derive(Clone)]
+pub(crate) struct Setting {
+    pub(crate) name: String,
+    file: &'static str,
+    keys: Vec<String>,
+}
+
+impl Setting {
+    /// A simulation of it that has gone its first steps.
+    pub(crate) fn timed(&self, lab: &Lab) -> Result<(Scene, Timed)> {
+        let scene = scene(self.file, &self.keys)?;
+        Ok((scene.clone(), Timed::new(Simulation::new(&lab.gpu, &scene)?)?))
+    }
+}
+
+/// The scene of a file with some keys changed.
+fn setting(name: &str, file: &'static str, keys: &[&str]) -> Setting {
+    Setting { name: name.to_owned(), file, keys: keys.iter().map(|key| (*key).to_owned()).collect() }
+}
+
+/// The scenes over numbers of strands.
+pub(crate) fn of_strands() -> Vec<Setting> {
+    let of = |strands: &str| {
+        let count = format!("hair.strands={}", strands.replace(' ', ""));
+        IN_AIR.map(|(air, file, keys)| {
+            setting(&format!("{strands} x 25, {air}"), file, &[keys, &[&count, "hair.points=25"]].concat())
+        })
+    };
+    STRANDS.iter().flat_map(|strands| of(strands)).collect()
+}
+
+/// The scenes of these names; all where there is none.
+pub(crate) fn scenes(names: &[String]) -> Result<Vec<Setting>> {
+    let all = [SCENES.iter().map(|(name, file, keys)| setting(name, file, keys)).collect(), of_strands()].concat();
+    Ok(asked(&all, |scene| &scene.name, names)?.into_iter().cloned().collect())
 }
 
 pub(crate) fn run(lab: &Lab, Arguments { names, steps }: &Arguments) -> Result<()> {
-    let names: Vec<&str> = names.iter().map(String::as_str).collect();
-    let names = match (&names[..], lab.quick) {
-        ([], true) => &USUAL[..1],
-        ([], false) => &USUAL,
-        (names, _) => names,
-    };
+    let usual: Vec<String> = lab.some(&USUAL).iter().map(|name| (*name).to_owned()).collect();
     let steps = lab.rounds(*steps);
-    for (name, file, keys) in scenes(names)? {
-        let mut timed = Timed::new(&lab.gpu, &scene(file, keys)?)?;
+    for setting in scenes(if names.is_empty() { &usual } else { names })? {
+        let (name, (_, mut timed)) = (&setting.name, setting.timed(lab)?);
         let mut stages: BTreeMap<String, f64> = BTreeMap::new();
         for row in timed.steps(steps)? {
             *stages.entry(row.stage).or_default() += row.ms;

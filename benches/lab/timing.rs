@@ -11,11 +11,8 @@ use crate::Result;
 const WARM_UP: u64 = 2;
 
 /// A scene of the examples with some keys changed.
-pub(crate) fn scene(file: &str, keys: &[&str]) -> Result<(Scene, InitialState)> {
-    let keys: Vec<String> = keys.iter().map(|&key| key.to_owned()).collect();
-    let scene = Scene::load_with(Path::new("examples/scenes").join(file), &keys)?;
-    let initial = InitialState::new(&scene)?;
-    Ok((scene, initial))
+pub(crate) fn scene(file: &str, keys: &[String]) -> Result<Scene> {
+    Ok(Scene::load_with(Path::new("examples/scenes").join(file), keys)?)
 }
 
 /// A simulation, and the times of its passes so far.
@@ -33,9 +30,8 @@ fn key(row: &PassReport) -> Key {
 }
 
 impl Timed {
-    /// A simulation that has gone its first steps.
-    pub(crate) fn new(gpu: &Gpu, (scene, initial): &(Scene, InitialState)) -> Result<Self> {
-        let mut simulation = Simulation::with_state(gpu, scene, initial.clone())?;
+    /// The simulation once it has gone its first steps.
+    pub(crate) fn new(mut simulation: Simulation) -> Result<Self> {
         simulation.step(WARM_UP)?;
         Ok(Self { simulation, before: BTreeMap::new() })
     }
@@ -81,8 +77,9 @@ impl Timed {
 pub(crate) fn by_turns(gpu: &Gpu, scenes: &[(Scene, InitialState)], rounds: u32) -> Result<Vec<Vec<PassReport>>> {
     let mut least: Vec<BTreeMap<Key, PassReport>> = vec![BTreeMap::new(); scenes.len()];
     for _ in 0..rounds {
-        for (least, scene) in least.iter_mut().zip(scenes) {
-            for row in Timed::new(gpu, scene)?.steps(1)? {
+        for (least, (scene, initial)) in least.iter_mut().zip(scenes) {
+            let simulation = Simulation::with_state(gpu, scene, initial.clone())?;
+            for row in Timed::new(simulation)?.steps(1)? {
                 let best = least.entry(key(&row)).or_insert_with(|| row.clone());
                 best.ms = best.ms.min(row.ms);
             }
