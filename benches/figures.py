@@ -1,5 +1,5 @@
 """The paper's figures with numbers: runs their scenes, measures the films, and writes benches/results/figures.json, of which
-`docs/generate.py` makes a page, and the pictures of that page.
+`docs/generate.py` makes a page, and the pictures of the book.
 
     cargo xtask figures            # the small scenes, three seeds each, or so many as --seeds says
     cargo xtask figures --full     # the paper's size, one seed: for a GPU, or a night
@@ -221,6 +221,18 @@ def moving_picture(command: Path, folders: list[Path], path: Path) -> None:
             break
 
 
+def head(command: Path) -> None:
+    """The picture of hair on a head, whose commands are in docs/how-to/head.md."""
+    folder = RUNS / "head"
+    shutil.rmtree(folder, ignore_errors=True)
+    call(command, "run", ROOT / "examples/scenes/head.toml", "--out", folder, "--formats", "vtkhdf")
+    keys = ["picture.hairs=16000", "camera.fov=17", "camera.eye=[0.212,0.125,0.40]", "camera.target=[0.092,0.055,0.07]"]
+    keys += ["camera.width=1200", "camera.height=675"]
+    call(command, "render", folder, "--frames", "9..10", *(word for key in keys for word in ("--set", key)))
+    with Image.open(next((folder / "frames").glob("*.png"))) as picture:
+        picture.convert("RGB").save(ROOT / "docs/head.webp", quality=82, method=6)
+
+
 def table(of: dict[str, Numbers]) -> list[list[str]]:
     """A row for each number: its words, and its value for each figure."""
     return [
@@ -265,6 +277,8 @@ def main() -> int:
             strip(command, runs[0], name)
         moving_picture(command, [folders[name][0] for name in DIAL], ROOT / "docs/dial.webp")
         save("figures.json", of, found, folders["fig2b"][0], len(seeds))
+        head(command)
+        subprocess.run([sys.executable, ROOT / "benches/looks.py", command], check=True)
     return 0 if all(claim.holds for claim in found) else 1
 
 

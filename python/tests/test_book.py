@@ -23,8 +23,9 @@ ROOT = Path(__file__).parents[2]
 PAGES = [*(ROOT / name for name in ["README.md", "CONTRIBUTING.md", "benches/README.md", "fuzz/README.md", "python/README.md"])]
 PAGES += sorted((ROOT / "docs").rglob("*.md"))
 PAGES = [page for page in PAGES if "lab" not in page.parts]
-#: Pages of which a command takes minutes on a software adapter.
-LONG = ["README.md", "docs/start/first-run.md", "docs/how-to/head.md", "docs/how-to/films.md", "docs/how-to/size.md", "docs/right/validate.md"]
+#: Pages whose commands take no ten seconds on a software adapter; all others are `long`.
+QUICK = ["docs/start/install.md", "docs/concepts/models.md", "docs/how-to/forces.md", "docs/how-to/groom.md"]
+QUICK += ["CONTRIBUTING.md", "benches/README.md", "fuzz/README.md"]
 
 
 def blocks(page: Path, language: str) -> list[str]:
@@ -33,10 +34,10 @@ def blocks(page: Path, language: str) -> list[str]:
     return [code for found, code in re.findall(r"^```([\w,]*)\n(.*?)^```$", text, re.M | re.S) if found == language]
 
 
-def named(language: str, long: Sequence[str] = ()) -> list[ParameterSet]:
-    """The pages that have such blocks, to be tested."""
+def named(language: str, quick: Sequence[str] | None = None) -> list[ParameterSet]:
+    """The pages that have such blocks, to be tested; those that are not among the quick ones are `long`."""
     pages = [(page, page.relative_to(ROOT).as_posix()) for page in PAGES if blocks(page, language)]
-    return [pytest.param(page, id=name, marks=pytest.mark.long if name in long else ()) for page, name in pages]
+    return [pytest.param(page, id=name, marks=() if quick is None or name in quick else pytest.mark.long) for page, name in pages]
 
 
 @pytest.fixture
@@ -88,7 +89,7 @@ def commands(page: Path) -> list[str]:
 OTHERS = ["cargo", "blender", "ssh", "pip", "export"]
 
 
-@pytest.mark.parametrize("page", named("sh", LONG))
+@pytest.mark.parametrize("page", named("sh", QUICK))
 def test_the_commands_of_a_page_run(page, folder):
     known = (ROOT / "crates/xtask/src/main.rs").read_text(encoding="utf-8")
     for command in commands(page):

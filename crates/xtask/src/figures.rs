@@ -6,7 +6,12 @@ use crate::{Result, cargo, root, run, say, venv, vulkan};
 
 /// Runs the scenes and writes numbers and pictures; an error where a claim does not hold.
 pub(crate) fn show(rest: &[&str]) -> Result {
-    run(&mut program(rest)?)
+    run(&mut program(rest)?)?;
+    if rest.contains(&"--check") || rest.contains(&"--full") {
+        return Ok(());
+    }
+    say("The picture of hair in wind");
+    run(cargo().args(["run", "--release", "--example", "hair_in_wind"]))
 }
 
 /// The program that does so. `rest`: `--full` for the paper's size, `--check` to leave numbers and pictures as they are, `--seeds` and
