@@ -92,9 +92,9 @@ Each picture is `examples/scenes/looks.toml` {TIME} s after the wind began, with
 | Picture | Look | Keys |
 |---|---|---|
 {"".join(rows)}
-Keys go into the scene, or behind `windswept run scene.toml` as `--set KEY=VALUE`. They act on any scene; how much depends on the
-length of the hair and the size of the head. [Scene keys](../reference/keys.md) says what else can be set, and a look that changes in the course
-of a film does so by `[[change]]`.
+Keys go into the scene, or behind `windswept run scene.toml` as `--set KEY=VALUE`. They act on any scene; how much depends on
+the length of the hair and the size of the head. [Scene keys](../reference/keys.md) says what else can be set, and a look that
+changes in the course of a film does so by `[[change]]`.
 """
 
 

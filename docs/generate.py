@@ -20,7 +20,19 @@ from windswept import _native
 
 ROOT = Path(__file__).resolve().parent.parent
 RESULTS = ROOT / "benches/results"
-COMMANDS = ["run", "render", "export", "measure", "spectrum", "check", "plan", "validate", "groom info", "groom convert", "adapters"]
+COMMANDS = [
+    "run",
+    "render",
+    "export",
+    "measure",
+    "spectrum",
+    "check",
+    "plan",
+    "validate",
+    "groom info",
+    "groom convert",
+    "adapters",
+]
 
 
 def table(head: list[str], rows: Iterable[Iterable[object]]) -> str:
@@ -99,7 +111,10 @@ def report() -> str:
             if field is not None
         ]
         words = " ".join(line.strip("/ ") for line in doc.splitlines())
-        made.append(f"## {name}\n\n{plain(words)}\n\n" + table(["Key", "Type", "Meaning"], ((*row[:2], plain(row[2])) for row in rows)))
+        made.append(
+            f"## {name}\n\n{plain(words)}\n\n"
+            + table(["Key", "Type", "Meaning"], ((*row[:2], plain(row[2])) for row in rows))
+        )
     return "\n".join(made)
 
 
@@ -126,7 +141,9 @@ def errors() -> str:
     """A table for each type of error: what it is, and its text."""
     made = []
     for path in ["windswept-engine/src/error.rs", "windswept-engine/src/ops.rs", "windswept-export/src/error.rs"]:
-        for doc, name, body in re.findall(r"((?:///[^\n]*\n)+)(?:#\[[^\n]*\n)+pub enum (\w*Error) \{\n(.*?)\n\}", source(path), re.S):
+        for doc, name, body in re.findall(
+            r"((?:///[^\n]*\n)+)(?:#\[[^\n]*\n)+pub enum (\w*Error) \{\n(.*?)\n\}", source(path), re.S
+        ):
             # Of a variant with fields only the head counts.
             body = re.sub(r"(\w+) \{\n.*?\n    \},", r"\1,", body, flags=re.S)
             rows = []
@@ -182,7 +199,15 @@ def checks(rows: list[dict[str, str]]) -> str:
         line = provenance(measured[0])
         made.append(f"### {check}\n" + (f"\n{line}" if line != last else ""))
         last = line
-        cells = ([row["quantity"], *(number(row[key]) for key in ("expected", "measured", "tolerance")), row["unit"], verdict(row)] for row in measured)
+        cells = (
+            [
+                row["quantity"],
+                *(number(row[key]) for key in ("expected", "measured", "tolerance")),
+                row["unit"],
+                verdict(row),
+            ]
+            for row in measured
+        )
         made.append(table(["Quantity", "Expected", "Measured", "Tolerance", "Unit", ""], cells))
     return "\n".join(made)
 
@@ -213,10 +238,19 @@ def choices() -> str:
         rows = list(own)
         made.append(f"### {family}\n\n{provenance(rows[0])}")
         cells = (
-            (row["error"], row["floor"] or "none", row["rule"], f"{row['rule_ms']} ms; {row['rule_error']}", f"{row['default']}", f"{row['default_ms']} ms; {row['default_error']}")
+            (
+                row["error"],
+                row["floor"] or "none",
+                row["rule"],
+                f"{row['rule_ms']} ms; {row['rule_error']}",
+                f"{row['default']}",
+                f"{row['default_ms']} ms; {row['default_error']}",
+            )
             for row in rows
         )
-        made.append(table(["Error", "Floor", "The rule's choice", "takes; is off by", "Default", "takes; is off by"], cells))
+        made.append(
+            table(["Error", "Floor", "The rule's choice", "takes; is off by", "Default", "takes; is off by"], cells)
+        )
     return "\n".join(made)
 
 
@@ -261,7 +295,12 @@ def gpu() -> str:
         found = json.loads(path.read_text(encoding="utf-8"))
         made.append(provenance(found | {"adapter": f"{found['adapter']['name']} ({found['adapter']['driver']})"}))
         rows = (
-            (scene["name"], f"{scene['particles']:,}".replace(",", " "), f"{scene['ms_of_a_step_on_the_gpu']:.2f}", f"{scene['memory_bytes'] / 1e6:.0f}")
+            (
+                scene["name"],
+                f"{scene['particles']:,}".replace(",", " "),
+                f"{scene['ms_of_a_step_on_the_gpu']:.2f}",
+                f"{scene['memory_bytes'] / 1e6:.0f}",
+            )
             for scene in found["scenes"]
         )
         made.append(table(["Scene, one substep", "Particles", "ms a step", "MB"], rows))
@@ -270,7 +309,10 @@ def gpu() -> str:
 
 def goals() -> str:
     """What was measured beside its goal, a row each with its own provenance."""
-    return table(["Quantity", "Measured", "Goal", "Adapter, commit, date"], ([row["quantity"], row["measured"], row["goal"], where(row)] for row in rows_of("goals.csv")))
+    return table(
+        ["Quantity", "Measured", "Goal", "Adapter, commit, date"],
+        ([row["quantity"], row["measured"], row["goal"], where(row)] for row in rows_of("goals.csv")),
+    )
 
 
 def where(row: dict[str, str]) -> str:
@@ -280,7 +322,10 @@ def where(row: dict[str, str]) -> str:
 def price() -> str:
     lines = (RESULTS / "price.csv").read_text(encoding="utf-8").splitlines()
     head = dict(line[2:].split(": ", 1) for line in lines if line.startswith("# ") and ": " in line)
-    rows = ((row["quantity"], row["series"], number(row["measured"]), row["tolerance"].replace("inf", "")) for row in rows_of("price.csv"))
+    rows = (
+        (row["quantity"], row["series"], number(row["measured"]), row["tolerance"].replace("inf", ""))
+        for row in rows_of("price.csv")
+    )
     return f"{provenance(head)}\n" + table(["Quantity", "Scene", "Measured", "At most"], rows)
 
 

@@ -4,10 +4,6 @@
 struct Readme;
 
 #[cfg(doctest)]
-#[doc = include_str!("../docs/start/first-run.md")]
-struct FirstRun;
-
-#[cfg(doctest)]
 #[doc = include_str!("../docs/how-to/forces.md")]
 struct Forces;
 

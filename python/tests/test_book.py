@@ -20,11 +20,13 @@ from _pytest.mark import ParameterSet
 import windswept as ws
 
 ROOT = Path(__file__).parents[2]
-PAGES = [*(ROOT / name for name in ["README.md", "CONTRIBUTING.md", "benches/README.md", "fuzz/README.md", "python/README.md"])]
+PAGES = [
+    *(ROOT / name for name in ["README.md", "CONTRIBUTING.md", "benches/README.md", "fuzz/README.md", "python/README.md"])
+]
 PAGES += sorted((ROOT / "docs").rglob("*.md"))
 PAGES = [page for page in PAGES if "lab" not in page.parts]
 #: Pages whose commands take no ten seconds on a software adapter; all others are `long`.
-QUICK = ["docs/start/install.md", "docs/concepts/models.md", "docs/how-to/forces.md", "docs/how-to/groom.md"]
+QUICK = ["docs/start/install.md", "docs/how-to/forces.md", "docs/how-to/groom.md"]
 QUICK += ["CONTRIBUTING.md", "benches/README.md", "fuzz/README.md"]
 
 
@@ -37,7 +39,10 @@ def blocks(page: Path, language: str) -> list[str]:
 def named(language: str, quick: Sequence[str] | None = None) -> list[ParameterSet]:
     """The pages that have such blocks, to be tested; those that are not among the quick ones are `long`."""
     pages = [(page, page.relative_to(ROOT).as_posix()) for page in PAGES if blocks(page, language)]
-    return [pytest.param(page, id=name, marks=() if quick is None or name in quick else pytest.mark.long) for page, name in pages]
+    return [
+        pytest.param(page, id=name, marks=() if quick is None or name in quick else pytest.mark.long)
+        for page, name in pages
+    ]
 
 
 @pytest.fixture
