@@ -66,8 +66,6 @@ def run(command: list[str], folder: Path) -> subprocess.CompletedProcess[str]:
 @pytest.mark.parametrize("page", named("python"))
 def test_the_python_of_a_page_runs(page, folder):
     code = "\n".join(blocks(page, "python"))
-    if "import rerun" in code:
-        pytest.importorskip("rerun")
     # Less of what takes long: the length of runs is no part of what a snippet shows.
     for long, short in [("frames(30)", "frames(2)"), ("sim.run(0.1)", "sim.run(0.01)")]:
         code = code.replace(long, short)
