@@ -67,9 +67,8 @@ pub(crate) fn run(lab: &Lab, arguments: &Arguments) -> Result<()> {
 
 /// Columns of stress.csv; `failing` counts the settings that do not hold, empty where nothing is bounded, and
 /// `failures` names them.
-const COLUMNS: [&str; 11] = [
-    "stress", "adapter", "commit", "date", "swept", "quantity", "worst", "at", "bound", "failing", "failures",
-];
+const COLUMNS: [&str; 11] =
+    ["stress", "adapter", "commit", "date", "swept", "quantity", "worst", "at", "bound", "failing", "failures"];
 
 /// Runs the stresses, each on one device at a time, and returns them in their order.
 fn side_by_side(stresses: Vec<&'static Stress>, extent: Extent) -> Result<Vec<Stressed>> {
