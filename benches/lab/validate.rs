@@ -19,12 +19,13 @@ pub(crate) fn run(lab: &Lab, Arguments { checks }: &Arguments) -> Result<()> {
         true => CHECKS.to_vec(),
         false => [CHECKS, LONG_CHECKS].concat(),
     };
+    let provenance = provenance::now(&lab.gpu).map(|(_, value)| value);
     for check in lab.some(&asked(&all, |check: &Check| check.name, checks)?) {
         let measured = check.rows(&lab.gpu);
         println!("{}: {} of {} pass", check.name, measured.iter().filter(|row| row.passes()).count(), measured.len());
         let mut rows = Vec::new();
         for row in measured {
-            let [adapter, commit, date] = provenance::now(&lab.gpu).map(|(_, value)| value);
+            let [adapter, commit, date] = provenance.clone();
             let [expected, measured, tolerance] = [row.expected, row.measured, row.tolerance].map(|x| x.to_string());
             let (unit, passed) = (row.unit.to_owned(), row.passes().to_string());
             let check = check.name.to_owned();
