@@ -1,64 +1,47 @@
-"""The paper's figures with numbers: runs their scenes, measures the films, and writes docs/figures.md with its pictures.
+"""The paper's figures with numbers: runs their scenes, measures the films, and writes benches/results/figures.json, of which
+`docs/generate.py` makes a page, and the pictures of the book.
 
     cargo xtask figures            # the small scenes, three seeds each, or so many as --seeds says
     cargo xtask figures --full     # the paper's size, one seed: for a GPU, or a night
 
 cargo xtask figures calls this program as `figures.py COMMAND [--full] [--check] [--seeds N]`, COMMAND being the built windswept. A run whose
-scene, seed and program are those of a finished run in out/figures is not repeated. With --check the page stays as it is. The exit
-status is 1 where a claim of the page does not hold.
+scene, seed and program are those of a finished run in out/figures is not repeated. With --check numbers and pictures stay as they are.
+The exit status is 1 where a claim does not hold.
 """
 
+import datetime
 import hashlib
 import json
 import shutil
 import statistics
 import subprocess
 import sys
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 
 from PIL import Image
 
 ROOT = Path(__file__).resolve().parent.parent
 RUNS = ROOT / "out/figures"
-PAGE = ROOT / "docs/figures.md"
+RESULTS = ROOT / "benches/results"
 PICTURES = ROOT / "docs/figures"
 #: Times of the pictures of a strip [s].
 STRIP = "0.5,0.7,0.9"
-#: Parts of the moving picture, in README and in the page's comparison of scales.
+#: Parts of the moving picture, in README and book.
 DIAL = ["fig2b", "12 mm", "fig3c"]
 
 
 @dataclass(frozen=True)
 class Figure:
-    """A figure of the paper, or a scene beside them."""
+    """A figure of the paper, or a scene beside them: the scene's file, and keys."""
 
-    title: str
-    paper: str  # scale and c_hair of table 1
-    says: str  # of the paper, quoted
     file: str
     keys: tuple[str, ...] = ()
 
 
 FIGURES = {
-    "fig2a": Figure("2(a): lift and drag", "no scale, 1.4", "just make an oscillating motion", "fig2a"),
-    "fig2b": Figure(
-        "2(b) and 3(a): eddies of 6 mm",
-        "6 mm, 1.4",
-        "the hair forms a circle shape due to the vortex caused by turbulent flow",
-        "fig2b",
-    ),
-    "fig3b": Figure(
-        "3(b): loose hair",
-        "6 mm, 0.05",
-        "the high value of the viscosity parameter of hair c_hair realizes the gathered hair",
-        "fig3b",
-    ),
-    "fig3c": Figure("3(c): eddies of 18 mm", "18 mm, 1.4", "different behavior depending on the parameter s", "fig3c"),
-    "fig4": Figure(
-        "4: curly hair", "6 mm, 1.4", "can naturally treat the interaction between air and curly hair", "fig4"
-    ),
-    "12 mm": Figure("between 3(a) and 3(c)", "not in the paper", "", "fig3c", ("turbulence.scale=0.012", "time.substeps=6")),
+    **{name: Figure(name) for name in ["fig2a", "fig2b", "fig3b", "fig3c", "fig4"]},
+    "12 mm": Figure("fig3c", ("turbulence.scale=0.012", "time.substeps=6")),
 }
 
 
@@ -85,18 +68,6 @@ class Numbers:
         mean, spread = (f"{factor * x:.{digits}f}" for x in (self.mean(name), self.spread(name)))
         return mean if spread == "nan" else f"{mean} ± {spread}"
 
-
-#: What the rows of the table are; `windswept measure --help` and its documentation have the formulas.
-MEANINGS = [
-    "*swing*: root mean square of the tips' displacement across the wind, from their own mean places; that of the mean of all tips, and that of tips about it",
-    "*frequency*: peak of the spectrum of that displacement; 0.6 s tell frequencies apart that differ by 1.7 Hz",
-    "*wavelength*: of the undulation along a strand; twice its length for a single bow",
-    "*turning*: angle by which a strand's direction changes between any two places on it, the largest; a closed circle has 360°. Curls have it at rest",
-    "*gathering*: mean distance to the four nearest strands at 0.8 of the length over that at the roots; the smaller, the more gathered",
-    "*coherence*: correlation of the velocities of tips that are neighbours at the roots; 1: they move alike",
-    "*lean*: angle between the weight's direction and the line from root to tip",
-    "*density error*: root mean square over air and steps, of the rest density",
-]
 
 #: Rows of the table: number of `windswept measure` or of report.json, its words, factor and digits.
 ROWS = [
@@ -158,7 +129,7 @@ class Claim:
 
 
 def claims(of: dict[str, Numbers], turns_at_rest: float) -> list[Claim]:
-    """The claims of the page; the paper's own come first."""
+    """The claims; the paper's own come first."""
     small, middle, large, loose = of["fig2b"], of["12 mm"], of["fig3c"], of["fig3b"]
     turning = "turning_largest_degrees"
     ratio, between = large.mean("swing_m") / small.mean("swing_m"), middle.mean("swing_m") / small.mean("swing_m")
@@ -217,17 +188,15 @@ def turns_at_rest(command: Path) -> float:
     return json.loads(call(command, "measure", folder, "--json"))["turns"]
 
 
-def strip(command: Path, folder: Path, name: str) -> str:
-    """Three frames side by side as WebP; returns the picture's name."""
+def strip(command: Path, folder: Path, name: str) -> None:
+    """Three frames side by side as WebP."""
     sheet = folder / "strip.png"
     call(command, "render", folder, "--contact-sheet", STRIP, "--out", sheet, "--overwrite")
     picture = Image.open(sheet)
     width = 1200
     picture = picture.resize((width, picture.height * width // picture.width), Image.LANCZOS)
     PICTURES.mkdir(exist_ok=True)
-    path = PICTURES / f"{name.replace(' ', '')}.webp"
-    picture.save(path, quality=80, method=6)
-    return path.name
+    picture.save(PICTURES / f"{name.replace(' ', '')}.webp", quality=80, method=6)
 
 
 def moving_picture(command: Path, folders: list[Path], path: Path) -> None:
@@ -252,32 +221,39 @@ def moving_picture(command: Path, folders: list[Path], path: Path) -> None:
             break
 
 
-def table(of: dict[str, Numbers]) -> list[str]:
-    lines = ["| | " + " | ".join(f"`{name}`" if name in FIGURES and name[0] == "f" else name for name in of) + " |"]
-    lines.append("|---" * (len(of) + 1) + "|")
-    for key, words, factor, digits in ROWS:
-        cells = ["-" if n.mean(key) != n.mean(key) else n.text(key, factor, digits) for n in of.values()]
-        lines.append(f"| {words} | " + " | ".join(cells) + " |")
-    return lines
+def head(command: Path) -> None:
+    """The picture of hair on a head, whose commands are in docs/how-to/head.md."""
+    folder = RUNS / "head"
+    shutil.rmtree(folder, ignore_errors=True)
+    call(command, "run", ROOT / "examples/scenes/head.toml", "--out", folder, "--formats", "vtkhdf")
+    keys = ["picture.hairs=16000", "camera.fov=17", "camera.eye=[0.212,0.125,0.40]", "camera.target=[0.092,0.055,0.07]"]
+    keys += ["camera.width=1200", "camera.height=675"]
+    call(command, "render", folder, "--frames", "9..10", *(word for key in keys for word in ("--set", key)))
+    with Image.open(next((folder / "frames").glob("*.png"))) as picture:
+        picture.convert("RGB").save(ROOT / "docs/head.webp", quality=82, method=6)
 
 
-def write_page(of: dict[str, Numbers], found: list[Claim], adapter: str, seeds: int) -> None:
-    lines = PAGE.read_text().split("<!-- generated: cargo xtask figures -->")[0].rstrip().splitlines()
-    lines += ["", "<!-- generated: cargo xtask figures -->", ""]
-    lines += [
-        f"Small scenes: 70 strands of 13 points and 120 mm, some 20 000 air particles (the paper: 550, 35, 350 mm, 200 000). {seeds} "
-        f"{'seed' if seeds == 1 else 'seeds'} each, 0.4 to 1 s; mean ± standard deviation over the seeds. Adapter: {adapter}.",
-        "",
+def table(of: dict[str, Numbers]) -> list[list[str]]:
+    """A row for each number: its words, and its value for each figure."""
+    return [
+        [words, *("-" if n.mean(key) != n.mean(key) else n.text(key, factor, digits) for n in of.values())]
+        for key, words, factor, digits in ROWS
     ]
-    lines += table(of) + [""] + [f"* {meaning}." for meaning in MEANINGS] + [""]
-    lines += ["| Claim | Measured | |", "|---|---|---|"]
-    lines += [f"| {c.sentence} | {c.found} | {'holds' if c.holds else '**does not hold**'} |" for c in found] + [""]
-    lines += ["The pictures are of seed 1.", ""]
-    for name, figure in FIGURES.items():
-        quoted = f' The paper: "{figure.says}".' if figure.says else ""
-        lines += [f"**Figure {figure.title}** (scale and c_hair: {figure.paper}).{quoted}" if figure.says else f"**{figure.title}** ({figure.paper}).", ""]
-        lines += [f"![{figure.title}, at {STRIP} s](figures/{name.replace(' ', '')}.webp)", ""]
-    PAGE.write_text("\n".join(lines).rstrip() + "\n")
+
+
+def save(name: str, of: dict[str, Numbers], found: list[Claim], folder: Path, seeds: int) -> None:
+    """Writes what was measured, with the adapter of a run, the commit and the date."""
+    report = json.loads((folder / "report.json").read_text())
+    results = {
+        "adapter": report["adapter"]["name"],
+        "commit": report.get("commit", "unknown"),
+        "date": datetime.date.today().isoformat(),
+        "seeds": seeds,
+        "figures": list(of),
+        "rows": table(of),
+        "claims": [asdict(claim) for claim in found],
+    }
+    (RESULTS / name).write_text(json.dumps(results, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
 
 
 def main() -> int:
@@ -287,10 +263,11 @@ def main() -> int:
     chosen = {name: figure for name, figure in FIGURES.items() if not full or name in ("fig2b", "fig3c")}
     folders = {name: [run(command, name, figure, seed, full) for seed in seeds] for name, figure in chosen.items()}
     of = {name: measured(runs) for name, runs in folders.items()}
-    print("\n".join(table(of)))
+    print("\n".join(" | ".join(row) for row in [["", *of], *table(of)]))
     if full:
         for name, runs in folders.items():
-            print(strip(command, runs[0], f"full-{name}"))
+            strip(command, runs[0], f"full-{name}")
+        save("figures-full.json", of, [], folders["fig2b"][0], len(seeds))
         return 0
     found = claims(of, turns_at_rest(command))
     for claim in found:
@@ -299,8 +276,9 @@ def main() -> int:
         for name, runs in folders.items():
             strip(command, runs[0], name)
         moving_picture(command, [folders[name][0] for name in DIAL], ROOT / "docs/dial.webp")
-        report = json.loads((folders["fig2b"][0] / "report.json").read_text())
-        write_page(of, found, report["adapter"]["name"], len(seeds))
+        save("figures.json", of, found, folders["fig2b"][0], len(seeds))
+        head(command)
+        subprocess.run([sys.executable, ROOT / "benches/looks.py", command], check=True)
     return 0 if all(claim.holds for claim in found) else 1
 
 

@@ -1,4 +1,4 @@
-"""Looks of hair by a few keys each: runs examples/scenes/looks.toml with them, and writes docs/looks.md with a picture of each.
+"""Looks of hair by a few keys each: runs examples/scenes/looks.toml with them, and writes docs/how-to/looks.md with a picture of each.
 
     python benches/looks.py COMMAND [LOOK...]     # COMMAND is the built windswept; all looks, or these
 
@@ -14,7 +14,7 @@ from PIL import Image
 ROOT = Path(__file__).resolve().parent.parent
 SCENE = ROOT / "examples/scenes/looks.toml"
 RUNS = ROOT / "out/looks"
-PAGE = ROOT / "docs/looks.md"
+PAGE = ROOT / "docs/how-to/looks.md"
 PICTURES = ROOT / "docs/looks"
 #: Time of the pictures [s].
 TIME = 0.5
@@ -81,7 +81,7 @@ def run(*words: object) -> None:
 def page() -> str:
     """The page: the looks side by side, and then the keys of each."""
     rows = [
-        f"| ![{name}](looks/{name}.webp) | **{name}**: {says} | {'<br>'.join(f'`{key} = {value}`' for key, value in keys.items())} |\n"
+        f"| ![{name}](../looks/{name}.webp) | **{name}**: {says} | {'<br>'.join(f'`{key} = {value}`' for key, value in keys.items())} |\n"
         for name, (says, keys) in LOOKS.items()
     ]
     return f"""# Looks
@@ -92,9 +92,9 @@ Each picture is `examples/scenes/looks.toml` {TIME} s after the wind began, with
 | Picture | Look | Keys |
 |---|---|---|
 {"".join(rows)}
-Keys go into the scene, or behind `windswept run scene.toml` as `--set KEY=VALUE`. They act on any scene; how much depends on the
-length of the hair and the size of the head. [The guide](guide.md) says what else can be set, and a look that changes in the course
-of a film does so by `[[change]]`.
+Keys go into the scene, or behind `windswept run scene.toml` as `--set KEY=VALUE`. They act on any scene; how much depends on
+the length of the hair and the size of the head. [Scene keys](../reference/keys.md) says what else can be set, and a look that
+changes in the course of a film does so by `[[change]]`.
 """
 
 

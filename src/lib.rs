@@ -1,9 +1,12 @@
-//! Keeps the README's Rust compiling: its programs are this crate's doctests.
+//! Keeps the Rust of README and book compiling: its programs are this crate's doctests.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;
 
-/// And the guide's.
 #[cfg(doctest)]
-#[doc = include_str!("../docs/guide.md")]
-struct Guide;
+#[doc = include_str!("../docs/how-to/forces.md")]
+struct Forces;
+
+#[cfg(doctest)]
+#[doc = include_str!("../docs/how-to/change.md")]
+struct Change;

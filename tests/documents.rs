@@ -1,12 +1,14 @@
-//! The pages for people say what is there: links lead somewhere, files and passes that are named exist, and each
-//! equation's row leads to its pass, reference function and test.
+//! The pages for people say what is there: links lead somewhere, the book has every page, files and passes that are named
+//! exist, and each equation's row leads to its pass, reference function and test.
 #![allow(clippy::unwrap_used, missing_docs)]
 
-use std::{
-    collections::BTreeSet,
-    fs,
-    path::{Path, PathBuf},
-};
+use std::{collections::BTreeSet, fs, path::Path};
+
+#[path = "../crates/xtask/src/links.rs"]
+#[allow(dead_code)] // `cargo xtask docs` uses the rest.
+mod links;
+
+use links::{Pages, broken, prose, replaced, target};
 
 /// Folders of the repository that a page may name a file of.
 const FOLDERS: [&str; 8] = ["crates/", "shaders/", "tests/", "examples/", "benches/", "python/", "docs/", ".github/"];
@@ -42,28 +44,25 @@ fn files(folder: &str, extension: &str) -> Vec<String> {
     named.map(|path| path.file_name().unwrap().to_str().unwrap().to_owned()).collect()
 }
 
-fn pages() -> Vec<String> {
-    let mut pages = [
-        "README.md",
-        "ARCHITECTURE.md",
-        "CONTRIBUTING.md",
-        "CHANGELOG.md",
-        "benches/README.md",
-        "crates/README.md",
-        "fuzz/README.md",
-        "python/README.md",
-    ]
-    .map(str::to_owned)
-    .to_vec();
-    for folder in ["docs", "docs/decisions", LAB] {
-        pages.extend(files(folder, "md").iter().map(|name| format!("{folder}/{name}")));
+/// The Markdown pages of the repository.
+fn pages() -> Pages {
+    let mut pages = Pages::new();
+    for folder in ["", "docs", "benches", "crates", "fuzz", "python"] {
+        add_pages(Path::new(folder), folder == "docs", &mut pages);
     }
     pages
 }
 
-/// The text outside blocks of code.
-fn prose(text: &str) -> String {
-    text.split("```").step_by(2).collect()
+/// Adds the pages in a folder, and with `deep` those in its folders.
+fn add_pages(folder: &Path, deep: bool, pages: &mut Pages) {
+    for entry in fs::read_dir(root().join(folder)).unwrap() {
+        let path = folder.join(entry.unwrap().file_name());
+        if deep && root().join(&path).is_dir() {
+            add_pages(&path, deep, pages);
+        } else if path.extension().is_some_and(|ending| ending == "md") {
+            pages.insert(path.clone(), read(path.to_str().unwrap()));
+        }
+    }
 }
 
 /// Texts between backticks.
@@ -71,44 +70,53 @@ fn spans(text: &str) -> Vec<String> {
     prose(text).split('`').skip(1).step_by(2).map(str::to_owned).collect()
 }
 
-/// Anchors of a page's headings, as GitHub makes them.
-fn anchors(text: &str) -> BTreeSet<String> {
-    let slug = |heading: &str| -> String {
-        let kept =
-            heading.to_lowercase().chars().filter(|c| c.is_alphanumeric() || " -_".contains(*c)).collect::<String>();
-        kept.trim().replace(' ', "-")
-    };
-    prose(text).lines().filter(|line| line.starts_with('#')).map(|line| slug(line.trim_start_matches('#'))).collect()
-}
-
+/// `cargo xtask docs` looks at the anchors of generated parts, and at the APIs, too.
 #[test]
 fn links_lead_somewhere() {
-    let mut broken = Vec::new();
-    for page in pages() {
-        let text = read(&page);
-        for link in prose(&text).split("](").skip(1).map(|rest| rest.split(')').next().unwrap().to_owned()) {
-            if link.contains("://") {
-                continue;
-            }
-            let (file, anchor) = link.split_once('#').unwrap_or((&link, ""));
-            let folder = Path::new(&page).parent().unwrap();
-            let target = if file.is_empty() { PathBuf::from(&page) } else { folder.join(file) };
-            let there = root().join(&target);
-            let found =
-                there.exists() && (anchor.is_empty() || anchors(&fs::read_to_string(&there).unwrap()).contains(anchor));
-            if !found {
-                broken.push(format!("{page}: {link}"));
-            }
-        }
-    }
+    let is_api = |path: &Path| ["docs/rust", "docs/python"].iter().any(|folder| path.starts_with(folder));
+    let broken = broken(&pages(), |path| is_api(path) || root().join(path).exists());
     assert!(broken.is_empty(), "{broken:#?}");
+}
+
+/// What is in `docs`, apart from the laboratory books, is in the book's table of contents, once.
+#[test]
+fn the_book_has_every_page_once() {
+    let pages = pages();
+    let summary = Path::new("docs/SUMMARY.md");
+    let mut listed = Vec::new();
+    replaced(&pages[summary], |link| {
+        listed.extend((!link.is_empty()).then(|| target(summary, link).0));
+        link.to_owned()
+    });
+    let unique: BTreeSet<_> = listed.iter().cloned().collect();
+    assert_eq!(unique.len(), listed.len(), "{listed:#?}");
+    let of_book = |path: &&std::path::PathBuf| path.starts_with("docs") && !path.starts_with(LAB) && *path != summary;
+    let missing: Vec<_> = pages.keys().filter(of_book).filter(|path| !unique.contains(*path)).collect();
+    assert!(missing.is_empty(), "{missing:#?}");
+}
+
+/// A part that a page wants is one that `docs/generate.py` writes, and each of those stands on one page.
+#[test]
+fn generated_parts_stand_on_a_page() {
+    let program = read("docs/generate.py");
+    let parts = program.split("PARTS: ").nth(1).unwrap().split("\n}").next().unwrap();
+    let written: Vec<_> = parts.lines().filter_map(|line| line.trim().strip_prefix('"')?.split_once('"')).collect();
+    let mut written: Vec<_> = written.into_iter().map(|(name, _)| name.to_owned()).collect();
+    let pages = pages();
+    let marks = pages.iter().filter(|(path, _)| path.starts_with("docs") && !path.starts_with(LAB));
+    let mut wanted: Vec<_> = marks
+        .flat_map(|(_, text)| text.split(links::MARK).skip(1).map(|rest| rest.split(" -->").next().unwrap().to_owned()))
+        .collect();
+    written.sort();
+    wanted.sort();
+    assert!(!wanted.is_empty() && wanted == written, "{wanted:?} {written:?}");
 }
 
 #[test]
 fn files_and_passes_that_pages_name_exist() {
     let mut missing = Vec::new();
-    for page in pages().into_iter().filter(|page| !page.starts_with(LAB)) {
-        for span in spans(&read(&page)) {
+    for (page, text) in pages().into_iter().filter(|(page, _)| !page.starts_with(LAB)) {
+        for span in spans(&text) {
             let path = span.split([' ', ',', ':']).next().unwrap();
             let example = path.contains(['…', '*']) || path.chars().any(|c| c.is_ascii_uppercase());
             let pass = PASSES.iter().any(|folder| path.starts_with(folder) && path.len() > folder.len());
@@ -120,7 +128,7 @@ fn files_and_passes_that_pages_name_exist() {
                 true
             };
             if !example && !exists {
-                missing.push(format!("{page}: {span}"));
+                missing.push(format!("{}: {span}", page.display()));
             }
         }
     }

@@ -11,6 +11,7 @@ mod results;
 mod step;
 mod stress;
 mod timing;
+mod validate;
 
 use std::{error::Error, path::PathBuf, process::ExitCode};
 
@@ -44,6 +45,8 @@ enum Study {
     Step(step::Arguments),
     /// Times of the passes on a GPU, beside its peak rates
     Gpu(gpu::Arguments),
+    /// Formulas and independent numbers beside what the adapter computes
+    Validate(validate::Arguments),
 }
 
 /// Device and extent of measurements.
@@ -95,13 +98,15 @@ fn run(Arguments { study, out, bench }: Arguments) -> Result<()> {
         Some(Study::Price(arguments)) => price::run(&lab, &arguments),
         Some(Study::Step(arguments)) => step::run(&lab, &arguments),
         Some(Study::Gpu(arguments)) => gpu::run(&lab, &arguments),
+        Some(Study::Validate(arguments)) => validate::run(&lab, &arguments),
         None if lab.quick => {
             precision::run(&lab, &Default::default())?;
             stress::run(&lab, &Default::default())?;
             price::run(&lab, &Default::default())?;
             step::run(&lab, &Default::default())?;
-            gpu::run(&lab, &Default::default())
+            gpu::run(&lab, &Default::default())?;
+            validate::run(&lab, &Default::default())
         }
-        None => Err("name a study: precision, stress, price, step or gpu".into()),
+        None => Err("name a study: precision, stress, price, step, gpu or validate".into()),
     }
 }

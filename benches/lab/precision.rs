@@ -1,6 +1,6 @@
 //! Run time against error: `cargo xtask bench precision [FAMILY…] [--redraw]`.
 //!
-//! Writes FAMILY.csv and FAMILY.svg of each family, and its section of defaults.md.
+//! Writes FAMILY.csv and FAMILY.svg of each family, and its rows of choices.csv.
 
 mod bodies;
 mod filter;
@@ -136,7 +136,7 @@ impl Air {
 pub(crate) struct Arguments {
     /// Families to run: rods, fluid, filter, step, wind, bodies [default: all]
     families: Vec<String>,
-    /// Measure nothing: pictures and defaults.md anew from the CSV files
+    /// Measure nothing: pictures and choices.csv anew from the CSV files
     #[arg(long)]
     redraw: bool,
 }
@@ -172,7 +172,7 @@ fn measure(lab: &Lab, family: &Family) -> Result<()> {
     results::write(&lab.out.join(family.name).with_extension("csv"), &head, &sweeps)
 }
 
-/// Draws the picture of a family from its CSV file, and writes its section of defaults.md.
+/// Draws the picture of a family from its CSV file, and writes its rows of choices.csv.
 fn show(lab: &Lab, family: &Family) -> Result<()> {
     let path = lab.out.join(family.name).with_extension("csv");
     let (head, sweeps) = results::read(&path, family.time)?;
@@ -180,39 +180,41 @@ fn show(lab: &Lab, family: &Family) -> Result<()> {
     chart::draw(&path.with_extension("svg"), family.title, &[marks, family.along], &sweeps, |sweep| {
         (rule::floor(sweep).map(|floor| rule::FLOOR * floor), rule::choice(sweep))
     })?;
-    let of_provenance =
-        |line: &&String| ["adapter:", "commit:", "date:", "took:"].iter().any(|start| line.starts_with(start));
-    let provenance: Vec<&str> = head.iter().filter(of_provenance).map(String::as_str).collect();
-    let body = format!("{}\n\n{}", provenance.join("  \n"), table(&sweeps));
-    results::page(&lab.out.join("defaults.md"), page_head, &[(family.title, body)])
+    let of_head = |name: &str| {
+        let line = head.iter().find_map(|line| line.strip_prefix(name)?.strip_prefix(": "));
+        line.unwrap_or_default().to_owned()
+    };
+    let provenance = [family.title.to_owned(), of_head("adapter"), of_head("commit"), of_head("date")];
+    let rows: Vec<_> = sweeps.iter().map(|sweep| provenance.iter().cloned().chain(choices(sweep)).collect()).collect();
+    results::replace(&lab.out.join("choices.csv"), &CHOICES, &rows)
 }
 
-fn page_head(_: &str) -> String {
-    "# What the rule picks\n\nMade by `cargo xtask bench precision`; see [README](../README.md). \
-     The rule: of the settings within 10 % of the floor, the cheapest. \
-     The floor is the least error, or the uncertainty of the value that it is taken from. \
-     Where a single setting reaches it there is no floor, and the rule chooses the knee, \
-     after which twice the time buys less than a \
-     halving of the error.\n"
-        .to_owned()
-}
+/// Columns of choices.csv: for each error the settings that the rule and a scene without keys choose, with the time of
+/// the picture \[ms\] and the error.
+const CHOICES: [&str; 12] = [
+    "family",
+    "adapter",
+    "commit",
+    "date",
+    "error",
+    "floor",
+    "rule",
+    "rule_ms",
+    "rule_error",
+    "default",
+    "default_ms",
+    "default_error",
+];
 
-/// Table of the rule's choice and the default for each error.
-fn table(sweeps: &[Sweep]) -> String {
-    let mut text =
-        "| Error | Floor | Rule's choice | ms | error | Default | ms | error | Default over choice: time, error |\n\
-        |---|---|---|---|---|---|---|---|---|\n"
-            .to_owned();
-    for sweep in sweeps {
-        let cells = |row: Option<&Row>| match row {
-            Some(row) => format!("{}, {} | {:.3} | {:.2e}", row.series, row.setting, row.at, row.measured),
-            None => "not among the settings | | ".to_owned(),
-        };
-        let (choice, default) = (rule::choice(sweep), sweep.rows.iter().find(|row| row.role == Role::Default));
-        let ratio = choice.zip(default).map(|(c, d)| format!("{:.2}, {:.2}", d.at / c.at, d.measured / c.measured));
-        let floor = rule::floor(sweep).map_or_else(|| "none".to_owned(), |floor| format!("{floor:.2e}"));
-        let row = [sweep.quantity.clone(), floor, cells(choice), cells(default), ratio.unwrap_or_default()];
-        text += &format!("| {} |\n", row.join(" | "));
-    }
-    text
+fn choices(sweep: &Sweep) -> [String; 8] {
+    let cells = |row: Option<&Row>| match row {
+        Some(row) => {
+            [format!("{}, {}", row.series, row.setting), format!("{:.3}", row.at), format!("{:.2e}", row.measured)]
+        }
+        None => Default::default(),
+    };
+    let floor = rule::floor(sweep).map_or_else(String::new, |floor| format!("{floor:.2e}"));
+    let [rule, rule_ms, rule_error] = cells(rule::choice(sweep));
+    let [default, ms, error] = cells(sweep.rows.iter().find(|row| row.role == Role::Default));
+    [sweep.quantity.clone(), floor, rule, rule_ms, rule_error, default, ms, error]
 }

@@ -1,5 +1,5 @@
-//! The files that studies write: rows as CSV, below lines with `#` that say how they were measured, and pages of
-//! Markdown whose sections are replaced one by one.
+//! The files that studies write: rows as CSV, below lines with `#` that say how they were measured, and tables of many
+//! measurements, whose parts are replaced one by one. `docs/generate.py` makes pages of them.
 
 use std::{fs, path::Path};
 
@@ -59,20 +59,24 @@ pub(crate) fn quantity(words: &str, unit: &str) -> String {
     if unit.is_empty() { words.to_owned() } else { format!("{words} [{unit}]") }
 }
 
-/// Writes sections of a page, by title, in the place of those that it had; others stay. The head is made of the text of
-/// all sections.
-pub(crate) fn page(path: &Path, head: fn(&str) -> String, sections: &[(&str, String)]) -> Result<()> {
+/// Writes rows of a table, whose first cell says what they are of, in the place of those of the same that it had; others
+/// stay.
+pub(crate) fn replace(path: &Path, columns: &[&str], rows: &[Vec<String>]) -> Result<()> {
     let before = fs::read_to_string(path).unwrap_or_default();
-    let mut all: Vec<(&str, &str)> = before.split("\n## ").skip(1).filter_map(|own| own.split_once('\n')).collect();
-    for (title, body) in sections {
-        match all.iter_mut().find(|(other, _)| other == title) {
-            Some(section) => section.1 = body,
-            None => all.push((title, body)),
-        }
+    let mut all = Vec::new();
+    for record in csv::Reader::from_reader(before.as_bytes()).records() {
+        all.push(record?.iter().map(str::to_owned).collect::<Vec<_>>());
     }
-    let text: String = all.iter().map(|(title, body)| format!("\n## {title}\n\n{}\n", body.trim())).collect();
+    for group in rows.chunk_by(|a, b| a[0] == b[0]) {
+        let place = all.iter().position(|row| row[0] == group[0][0]).unwrap_or(all.len());
+        all.retain(|row| row[0] != group[0][0]);
+        all.splice(place..place, group.iter().cloned());
+    }
+    let mut table = csv::Writer::from_writer(Vec::new());
+    table.write_record(columns)?;
+    all.iter().try_for_each(|row| table.write_record(row))?;
     fs::create_dir_all(path.parent().unwrap_or(path))?;
-    fs::write(path, head(&text) + &text)?;
+    fs::write(path, table.into_inner()?)?;
     Ok(())
 }
 

@@ -1,9 +1,9 @@
 //! Settings far beyond those of any scene: `cargo xtask bench stress [STRESS…] [--out DIR]`.
 //!
-//! Writes a section of DIR/stress.md per stress, with a row per quantity at its worst setting, and DIR/stress-NAME.svg
-//! for each stress that has curves. A quick run is the cut that `tests/stress.rs` asserts.
+//! Writes rows of DIR/stress.csv per stress, one per quantity at its worst setting, and DIR/stress-NAME.svg for each
+//! stress that has curves. A quick run is the cut that `tests/stress.rs` asserts.
 
-use std::{fmt::Write as _, io::Write as _, process::Command, sync::Mutex, time::Instant};
+use std::{io::Write as _, process::Command, sync::Mutex, time::Instant};
 
 use windswept::{AdapterChoice, Gpu};
 use windswept_validate::{
@@ -17,7 +17,7 @@ use crate::{Lab, Result, asked, chart, provenance, results};
 const SIDE_BY_SIDE: usize = 2;
 /// Threads of the software adapter whose runs must have the same bits.
 const THREADS: [&str; 3] = ["0", "1", "4"];
-/// Settings of a sweep that does not hold which the page names.
+/// Settings of a sweep that does not hold which the table names.
 const NAMED: usize = 20;
 
 #[derive(clap::Args, Default)]
@@ -29,8 +29,8 @@ pub(crate) struct Arguments {
     fingerprint: Option<String>,
 }
 
-/// A stress, its measurements and the time that they took \[s\].
-type Stressed = (&'static Stress, Vec<Sweep>, f64);
+/// A stress, and its measurements.
+type Stressed = (&'static Stress, Vec<Sweep>);
 
 pub(crate) fn run(lab: &Lab, arguments: &Arguments) -> Result<()> {
     if let Some(coupling) = &arguments.fingerprint {
@@ -48,32 +48,27 @@ pub(crate) fn run(lab: &Lab, arguments: &Arguments) -> Result<()> {
     if lab.quick {
         return Ok(());
     }
-    let mut sections = Vec::new();
-    for (stress, sweeps, seconds) in &all {
-        let mut body =
-            provenance::lines(&lab.gpu, *seconds).join("  \n") + &format!("\n\n{}.\n\n{}", stress.swept, table(sweeps));
+    let provenance = provenance::now(&lab.gpu).map(|(_, value)| value);
+    let mut rows = Vec::new();
+    for (stress, sweeps) in &all {
         if sweeps.iter().any(|sweep| sweep.axis.is_some()) {
             let file = format!("stress-{}.svg", stress.name.replace(' ', "-"));
             let title = format!("Stress: {}", stress.name);
             chart::draw(&lab.out.join(&file), &title, &["dotted: the bound"], sweeps, |sweep| {
                 (largest_bound(sweep), None)
             })?;
-            write!(body, "\n![{}]({file})\n", stress.name)?;
         }
-        sections.push((stress.name, body));
+        let [adapter, commit, date] = provenance.clone();
+        let head = [stress.name.to_owned(), adapter, commit, date, stress.swept.to_owned()];
+        rows.extend(sweeps.iter().map(|sweep| head.iter().cloned().chain(cells(sweep)).collect::<Vec<_>>()));
     }
-    results::page(&lab.out.join("stress.md"), head, &sections)
+    results::replace(&lab.out.join("stress.csv"), &COLUMNS, &rows)
 }
 
-/// Head of the page of which this is the text.
-fn head(text: &str) -> String {
-    let (holding, failing) = (text.matches("| yes |").count(), text.matches("| **no**").count());
-    format!(
-        "# Stress\n\nMade by `cargo xtask bench stress`; [README](../README.md#stress) says how to read it. \
-         {holding} of {} rows hold.\n",
-        holding + failing
-    )
-}
+/// Columns of stress.csv; `failing` counts the settings that do not hold, empty where nothing is bounded, and
+/// `failures` names them.
+const COLUMNS: [&str; 11] =
+    ["stress", "adapter", "commit", "date", "swept", "quantity", "worst", "at", "bound", "failing", "failures"];
 
 /// Runs the stresses, each on one device at a time, and returns them in their order.
 fn side_by_side(stresses: Vec<&'static Stress>, extent: Extent) -> Result<Vec<Stressed>> {
@@ -90,7 +85,7 @@ fn side_by_side(stresses: Vec<&'static Stress>, extent: Extent) -> Result<Vec<St
             let seconds = started.elapsed().as_secs_f64();
             println!("{} ({seconds:.0} s)\n{}", stress.name, table(&sweeps));
             if let Ok(mut done) = done.lock() {
-                done.push((stress, sweeps, seconds));
+                done.push((stress, sweeps));
             }
         }
         Ok(())
@@ -132,27 +127,24 @@ fn largest_bound(sweep: &Sweep) -> Option<f64> {
     sweep.rows.iter().map(|row| row.tolerance).filter(|bound| bound.is_finite() && *bound > 0.0).reduce(f64::max)
 }
 
-/// Table of the worst settings, and the settings that do not hold.
+/// Table of the worst settings, for the terminal.
 fn table(sweeps: &[Sweep]) -> String {
-    let mut text = "| Quantity | Worst | at | Bound | Holds |\n|---|---|---|---|---|\n".to_owned();
-    let mut failures = String::new();
-    for sweep in sweeps {
-        let (failing, count) = (sweep.failing(), sweep.failing().count());
-        let holds = match count {
-            0 if sweep.rows.iter().all(|row| row.tolerance.is_infinite()) => "–".to_owned(),
-            0 => "yes".to_owned(),
-            _ => format!("**no**: {count} of {}", sweep.rows.len()),
-        };
-        let cells = sweep.worst().map(|row| [results::measured(row), place(row), results::bound(row)]);
-        let cells = cells.unwrap_or_else(|| ["nothing".to_owned(), String::new(), String::new()]).join(" | ");
-        text += &format!("| {} | {cells} | {holds} |\n", sweep.quantity);
-        if count > 0 {
-            let named = failing.take(NAMED).map(|row| format!("{} {}", place(row), results::measured(row)));
-            let more = if count > NAMED { format!("; and {} more", count - NAMED) } else { String::new() };
-            failures += &format!("\n* **{}**: {}{more}\n", sweep.quantity, named.collect::<Vec<_>>().join("; "));
-        }
-    }
-    text + &failures
+    sweeps.iter().map(|sweep| cells(sweep).join(" | ") + "\n").collect()
+}
+
+/// The columns from `quantity` on.
+fn cells(sweep: &Sweep) -> [String; 6] {
+    let (failing, count) = (sweep.failing(), sweep.failing().count());
+    let is_bounded = count > 0 || !sweep.rows.iter().all(|row| row.tolerance.is_infinite());
+    let [worst, at, bound] = match sweep.worst() {
+        Some(row) => [results::measured(row), place(row), results::bound(row)],
+        None => ["nothing".to_owned(), String::new(), String::new()],
+    };
+    let of = if is_bounded { format!("{count} of {}", sweep.rows.len()) } else { String::new() };
+    let mut named: Vec<_> =
+        failing.take(NAMED).map(|row| format!("{} {}", place(row), results::measured(row))).collect();
+    named.extend((count > NAMED).then(|| format!("and {} more", count - NAMED)));
+    [sweep.quantity.clone(), worst, at, bound, of, named.join("; ")]
 }
 
 fn place(row: &Row) -> String {

@@ -312,7 +312,7 @@ fn what_cannot_be_exported_is_refused() {
     refused(&["vtkhdf"], "expected one of usd, usdc, npz");
     refused(&["mov"], "expected one of usd, usdc, npz");
     // The way to Alembic is the one that the page says, which was run.
-    let page = include_str!("../../../docs/other-programs.md");
+    let page = include_str!("../../../docs/how-to/films.md");
     let way = page.split("blender --background").find(|part| part.contains("alembic_export")).expect("a way");
     let commands: Vec<&str> =
         way.split("```").next().expect("a block").lines().filter(|l| !l.contains("usd_import")).collect();

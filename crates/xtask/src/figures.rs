@@ -1,15 +1,20 @@
-//! `cargo xtask figures`: the scenes of the paper's figures, measured, and the page that shows them.
+//! `cargo xtask figures`: the scenes of the paper's figures, measured, with their pictures.
 
 use std::process::Command;
 
 use crate::{Result, cargo, root, run, say, venv, vulkan};
 
-/// Runs the scenes and writes `docs/figures.md`; an error where a claim of the page does not hold.
+/// Runs the scenes and writes numbers and pictures; an error where a claim does not hold.
 pub(crate) fn show(rest: &[&str]) -> Result {
-    run(&mut program(rest)?)
+    run(&mut program(rest)?)?;
+    if rest.contains(&"--check") || rest.contains(&"--full") {
+        return Ok(());
+    }
+    say("The picture of hair in wind");
+    run(cargo().args(["run", "--release", "--example", "hair_in_wind"]))
 }
 
-/// The program that does so. `rest`: `--full` for the paper's size, `--check` to leave the page as it is, `--seeds` and
+/// The program that does so. `rest`: `--full` for the paper's size, `--check` to leave numbers and pictures as they are, `--seeds` and
 /// their number.
 pub(crate) fn program(rest: &[&str]) -> Result<Command> {
     let known = |word: &&&str| ["--full", "--check", "--seeds"].contains(*word) || word.parse::<u32>().is_ok();

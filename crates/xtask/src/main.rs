@@ -1,11 +1,13 @@
-//! `cargo xtask demo`, `python`, `stubs`, `test`, `bench`, `figures`, `fuzz`, `mutants`, `new` and `package`: set up
-//! what a clean clone lacks, then run it.
+//! `cargo xtask demo`, `python`, `stubs`, `test`, `docs`, `bench`, `figures`, `fuzz`, `mutants`, `new` and `package`: set
+//! up what a clean clone lacks, then run it.
 //!
 //! Everything that these commands fetch is either a system package, announced before it is installed, or lies in
-//! `target/venv`.
+//! `target/venv` or `target/tools`.
 
 mod bench;
+mod docs;
 mod figures;
+mod links;
 mod mutants;
 mod new;
 mod package;
@@ -31,25 +33,27 @@ Commands:
            windswept/scene.py, and the docstrings of windswept/_native.pyi
   test     check formatting and lints, then run the tests on the software adapter;
            with --long also those that take minutes and seldom break
+  docs     build the book and the APIs of Rust and Python into target/docs, and look for dead links;
+           any web server serves the folder
   bench    a study of the laboratory, which writes into benches/results: precision [FAMILY...],
-           stress [STRESS...] (all: some 20 minutes each), price, step [SCENE...], gpu; each
-           takes --help.
+           stress [STRESS...] (all: some 20 minutes each), price, step [SCENE...], gpu,
+           validate [CHECK...]; each takes --help.
            --save FILE keeps the laboratory as it is now, --compare FILE runs its steps by turns
            with those of the present one and names what became slower, --peer runs fig2b by turns
            with SPlisHSPlasH; each takes --turns N and --profile NAME
-  figures  run the scenes of the paper's figures, three seeds each, and write docs/figures.md with
-           numbers and pictures, an hour on two cores; --check only says which claims hold;
-           --full runs two of them at the paper's size
+  figures  run the scenes of the paper's figures, three seeds each, and write numbers into
+           benches/results and pictures into docs/figures, an hour on two cores; --check only
+           says which claims hold; --full runs two of them at the paper's size
   fuzz     read mutants of the files in fuzz/corpus, a minute per kind of file; `fuzz SECONDS`
            for another time
   mutants  make small faults in the code, one at a time, and write which no test notices into
-           benches/results/mutants.md, an hour and more; `mutants scene 3/16` for one part
+           docs/lab/mutants.md, an hour and more; `mutants scene 3/16` for one part
            and another sixteenth of its mutants
   new      `new pass STAGE/NAME`, `new key TABLE.NAME`, `new format NAME` write the skeleton of
            something new in all its places; its test fails and says what to write
   package  build the crates and the Python package as they would be published; publishes nothing
 
-Each command installs or fetches what it needs and does not find: a Vulkan driver, CMake, packages of PyPI.";
+Each command installs or fetches what it needs and does not find: a Vulkan driver, CMake, mdBook, packages of PyPI.";
 
 /// An error as the user reads it; it ends with what to do.
 type Error = String;
@@ -63,6 +67,7 @@ fn main() -> ExitCode {
         ["stubs"] => python::write_stubs(),
         ["test"] => tests::run(Length::Usual),
         ["test", "--long"] => tests::run(Length::Long),
+        ["docs"] => docs::build(),
         ["bench", "--save", file, ref rest @ ..] => bench::save(file, rest),
         ["bench", "--compare", file, ref rest @ ..] => bench::compare(file, rest),
         ["bench", "--peer", ref rest @ ..] => bench::peer(rest),

@@ -1,7 +1,7 @@
 //! `cargo xtask mutants [PART [SHARD]]`: the code with one small fault at a time, and whether a test notices it.
 //!
 //! cargo-mutants makes the faults in Rust and runs the tests of the part in a copy of the tree. Those of the shaders
-//! are in values that `FAULTS` in tests/passes numbers. The results are written into benches/results/mutants.md,
+//! are in values that `FAULTS` in tests/passes numbers. The results are written into docs/lab/mutants.md,
 //! where other parts and shards stay as they are.
 
 use std::collections::BTreeMap;
@@ -15,7 +15,7 @@ const VERSION: &str = "27.1.0";
 /// Time after which a mutant counts as noticed: it does not end \[s\].
 const LONGEST: &str = "300";
 /// The page, and the reasons why survivors are left alone.
-const PAGE: &str = "benches/results/mutants.md";
+const PAGE: &str = "docs/lab/mutants.md";
 const REASONS: &str = "benches/mutants.txt";
 
 /// Code that mutants are made of, and what should notice them.
@@ -317,7 +317,7 @@ impl Page {
     }
 
     fn text(&self) -> String {
-        let head = "# Mutants\n\nMade by `cargo xtask mutants`; [README](../README.md#mutants) says how to read it.\n";
+        let head = "# Mutants\n\nMade by `cargo xtask mutants`; [README](../../benches/README.md#mutants) says how to read it.\n";
         let part = |name: &str| match self.0.get(name) {
             None => format!("\n## {name}\n\nNot tried yet.\n"),
             Some(shards) => {
