@@ -300,10 +300,11 @@ def gpu() -> str:
                 f"{scene['particles']:,}".replace(",", " "),
                 f"{scene['ms_of_a_step_on_the_gpu']:.2f}",
                 f"{scene['memory_bytes'] / 1e6:.0f}",
+                f"{scene['frames_per_second']:.0f}" if "frames_per_second" in scene else "",
             )
             for scene in found["scenes"]
         )
-        made.append(table(["Scene, one substep", "Particles", "ms a step", "MB"], rows))
+        made.append(table(["Scene, one substep", "Particles", "ms a step", "MB", "frames a second at true speed"], rows))
     return "\n".join(made)
 
 
