@@ -76,8 +76,8 @@ pub struct App {
     framing: bool,
     drag: Option<Drag>,
     adapter: String,
-    /// Size of the picture \[px\].
-    size: [u32; 2],
+    /// Size of the picture \[px\]; `None` before the first.
+    size: Option<[u32; 2]>,
 }
 
 impl App {
@@ -106,7 +106,7 @@ impl App {
         let software = gpu.info().kind == "software";
         let hairs = scene.picture.hairs.min(HAIRS[usize::from(!software)]);
         let picture = Picture::new(&gpu, &render, &scene, start, groom)?;
-        let cameras = picture.cameras()?;
+        let cameras = picture.cameras([960, 720])?;
         // A scene has a camera at least.
         let orbit = cameras.first().map(|(_, orbit)| *orbit).ok_or_else(no_wgpu)?;
         let looks = Looks {
@@ -141,7 +141,7 @@ impl App {
             framing: false,
             drag: None,
             adapter: gpu.info().name.clone(),
-            size: [16, 16],
+            size: None,
         };
         app.follow_scene(&scene);
         Ok(app)
@@ -252,7 +252,7 @@ impl App {
         }
         let formats =
             windswept_export::Format::of_runs().filter(|format| self.formats.contains(&format.name)).collect();
-        let view = self.orbit.view(self.size);
+        let view = self.orbit.view(self.size());
         let scene = &now.scene.cameras[0];
         let look_at = Some(LookAt { eye: view.eye.to_array(), target: view.target.to_array() });
         // Of the scene's height, as wide as the window has it; encoders of films want even sides.
@@ -414,14 +414,20 @@ impl App {
     fn show_picture(&mut self, ui: &mut egui::Ui) {
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         let pixels = ui.ctx().pixels_per_point() * self.looks.sharpness;
-        self.size = [rect.width(), rect.height()].map(|side| ((side * pixels) as u32).max(16));
+        let size = [rect.width(), rect.height()].map(|side| ((side * pixels) as u32).max(16));
+        if self.size.replace(size).is_none()
+            && let Ok(cameras) = self.picture.cameras(size)
+        {
+            self.orbit = cameras.first().map_or(self.orbit, |(_, orbit)| *orbit);
+            self.cameras = cameras;
+        }
         let state = self.state();
         self.move_camera(ui, &response, rect, &state);
         if self.framing && !state.frame.hair.positions.is_empty() {
             self.framing = false;
-            self.orbit.frame(&state.frame.hair.positions, self.size);
+            self.orbit.frame(&state.frame.hair.positions, size);
         }
-        let texture = match self.picture.draw(&state, self.orbit, self.looks, self.size) {
+        let texture = match self.picture.draw(&state, self.orbit, self.looks, size) {
             Ok(texture) => texture,
             Err(error) => {
                 self.say(error.to_string());
@@ -450,7 +456,7 @@ impl App {
         if shift && started.contains(&true) {
             let from = ui.input(|input| input.pointer.press_origin()).or(response.interact_pointer_pos());
             let grip = from
-                .and_then(|at| body_at(&state.scene, &state.frame, &self.orbit.view(self.size), self.pixel(rect, at)));
+                .and_then(|at| body_at(&state.scene, &state.frame, &self.orbit.view(self.size()), self.pixel(rect, at)));
             self.drag = grip.zip(from).map(|(grip, from)| Drag { grip, from, turns: started[1] });
         }
         if response.drag_stopped() {
@@ -464,7 +470,7 @@ impl App {
             let way = [f64::from(way.x), f64::from(way.y)];
             let Pose { translation, rotation } = drag.grip.pose;
             let pose = if drag.turns {
-                let [right, ..] = self.orbit.view(self.size).axes();
+                let [right, ..] = self.orbit.view(self.size()).axes();
                 let turn = DQuat::from_rotation_y(TURN * way[0]) * DQuat::from_axis_angle(right, TURN * way[1]);
                 Pose { translation, rotation: turn * rotation }
             } else {
@@ -488,9 +494,18 @@ impl App {
         }
     }
 
+    fn size(&self) -> [u32; 2] {
+        self.size.unwrap_or([16, 16])
+    }
+
+    fn size_as_vec(&self) -> egui::Vec2 {
+        let [width, height] = self.size();
+        vec2(width as f32, height as f32)
+    }
+
     /// A place of the window in the picture \[px\].
     fn pixel(&self, rect: Rect, at: egui::Pos2) -> [f64; 2] {
-        let at = (at - rect.min) / rect.size() * vec2(self.size[0] as f32, self.size[1] as f32);
+        let at = (at - rect.min) / rect.size() * self.size_as_vec();
         [f64::from(at.x), f64::from(at.y)]
     }
 
@@ -499,7 +514,7 @@ impl App {
         let at = response.hover_pos().filter(|_| !response.dragged());
         self.hovered = at.is_some();
         let Some(at) = at else { return };
-        let (view, pixel) = (self.orbit.view(self.size), self.pixel(rect, at));
+        let (view, pixel) = (self.orbit.view(self.size()), self.pixel(rect, at));
         let lines = if let Some(point) = point_at(&state.frame, &view, pixel) {
             let hair = &state.frame.hair;
             let [x, y, z] = hair.positions[point.row].map(|x| 1e3 * x);
@@ -507,7 +522,7 @@ impl App {
             let points = hair.offsets[point.strand + 1] - hair.offsets[point.strand];
             let place = view.project(DVec3::from_array(hair.positions[point.row].map(f64::from)));
             if let Some([u, v]) = place {
-                let scale = rect.size() / vec2(self.size[0] as f32, self.size[1] as f32);
+                let scale = rect.size() / self.size_as_vec();
                 let mark = rect.min + vec2(u as f32, v as f32) * scale;
                 ui.painter().with_clip_rect(rect).circle_stroke(mark, 4.0, (1.5, Color32::WHITE));
             }

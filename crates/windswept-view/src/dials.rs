@@ -22,7 +22,6 @@ pub(crate) struct Dial {
 /// The part of a scene that a slider belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(crate) enum Group {
-    Wind,
     Eddies,
     Hair,
 }
@@ -63,7 +62,7 @@ pub(crate) const DIALS: &[Dial] = &[
         ends: 0.0..=3.0,
         logarithmic: false,
         get: |scene, _| scene.interaction.model.has_air().then_some(scene.viscosity.hair),
-        set: |scene, _, value| (scene.viscosity.hair, scene.viscosity.kinematic_hair) = (value, None),
+        set: |scene, _, value| (scene.viscosity.hair, scene.viscosity.kinematic_hair) = (Some(value), None),
     },
     Dial {
         group: Group::Hair,

@@ -30,7 +30,7 @@ pub(crate) fn toward(simulation: &mut Simulation, drags: &mut BTreeMap<String, P
             arrived.push(name.clone());
         }
     }
-    arrived.iter().for_each(|name| drop(drags.remove(name)));
+    drags.retain(|name, _| !arrived.contains(name));
     Ok(())
 }
 

@@ -53,7 +53,7 @@ fn hair_vertex(@builtin(vertex_index) index: u32) -> Vertex {
     let across = sqrt(max(1.0 - tl * tl, 0.0));
     let shine = pow(max(across * sqrt(max(1.0 - te * te, 0.0)) - tl * te, 0.0), 24.0);
     let grey = fract(sin(f32(segment.y) * 12.9898) * 43758.5453);
-    let brown = mix(vec3f(0.05, 0.02, 0.01), vec3f(0.18, 0.085, 0.035), grey) * (0.35 + 0.9 * across) + 0.22 * shine;
+    let brown = mix(vec3f(0.03, 0.012, 0.006), vec3f(0.11, 0.05, 0.02), grey) * (0.35 + 0.9 * across) + 0.1 * shine;
     let value = colour_of(values[min(point, arrayLength(&values) - 1u)], view.ranges.xy) * (0.55 + 0.45 * across);
     return Vertex(view.clip_from_world * vec4f(x, 1.0), select(brown, value, view.coloured > 0.0));
 }

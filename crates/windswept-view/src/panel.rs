@@ -242,7 +242,7 @@ fn files(app: &mut App, ui: &mut Ui) {
             });
         });
         // The row is there without a film too, so that nothing below it moves.
-        let words = film.map(|(folder, frames)| format!("● {}: {frames} frames", folder.display())).unwrap_or_default();
+        let words = film.map(|(folder, frames)| format!("{}: {frames} frames", folder.display())).unwrap_or_default();
         ui.label(RichText::new(words).color(RECORDING));
     });
 }
@@ -260,12 +260,8 @@ fn warnings(app: &App, ui: &mut Ui) {
 
 /// The frames of a film as a bar that can be dragged along.
 pub(crate) fn time_bar(app: &mut App, ui: &mut Ui) {
-    let playing = app.is_playing();
     ui.add_space(4.0);
     ui.horizontal(|ui| {
-        if ui.add(Button::new(if playing { "⏸" } else { "▶" }).min_size(vec2(28.0, 20.0))).clicked() {
-            app.play(!playing);
-        }
         let Source::Film(playback) = &mut app.source else { return };
         let (mut at, times) = (playback.at(), playback.times());
         let (last, end) = (times.len() - 1, times[times.len() - 1]);

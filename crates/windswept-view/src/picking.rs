@@ -95,7 +95,7 @@ fn reached(shape: &CheckedShape, from: DVec3, way: DVec3, most: f64) -> Option<f
 
 #[cfg(test)]
 mod tests {
-    use windswept::{Body, HairFrame, Model, Shape, Time};
+    use windswept::{Body, HairFrame, Model, Time};
 
     use super::*;
 
@@ -123,11 +123,10 @@ mod tests {
     fn the_nearest_body_is_gripped() {
         let mut scene = windswept::Scene::new(Time::new(1e-3, 1.0));
         scene.interaction.model = Some(Model::None);
-        let body = |shape: Shape, name: &str| Body::from(shape).named(name);
         scene.bodies = vec![
-            body(Shape::sphere([0.1, 0.2, -0.2], 0.1), "far"),
-            body(Shape::sphere([0.1, 0.2, 0.3], 0.05), "near"),
-            body(Shape::plane([0.0, 0.0, 0.0], [0.0, 1.0, 0.0]), "floor"),
+            Body::sphere([0.1, 0.2, -0.2], 0.1).named("far"),
+            Body::sphere([0.1, 0.2, 0.3], 0.05).named("near"),
+            Body::plane([0.0, 0.0, 0.0], [0.0, 1.0, 0.0]).named("floor"),
         ];
         let scene = scene.check().unwrap();
         let grip = body_at(&scene, &Frame::default(), &view(), [320.0, 240.0]).unwrap();

@@ -96,10 +96,13 @@ impl Picture {
         })
     }
 
-    /// The cameras of the scene, by their names.
-    pub(crate) fn cameras(&self) -> Result<Vec<(String, Orbit)>, ExportError> {
-        // Some hairs say as well as many where hair is.
-        let few = self.scene.assuming(|_, values| values.picture.hairs = values.picture.hairs.min(500));
+    /// The cameras of the scene, by their names; those that frame the hair do so in a picture of this size \[px\].
+    pub(crate) fn cameras(&self, size: [u32; 2]) -> Result<Vec<(String, Orbit)>, ExportError> {
+        let few = self.scene.assuming(|_, values| {
+            // Some hairs say as well as many where hair is.
+            values.picture.hairs = values.picture.hairs.min(500);
+            values.cameras.iter_mut().for_each(|camera| [camera.width, camera.height] = size);
+        });
         let views = View::all(&few, &self.start, self.groom.as_ref())?;
         let names = self.scene.cameras.iter().map(|camera| camera.name.clone());
         Ok(names.zip(views.iter().map(Orbit::of)).collect())

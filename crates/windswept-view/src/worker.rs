@@ -227,14 +227,18 @@ impl Work {
             for ask in asks {
                 match ask {
                     Ask::Quit => return self.end_film(),
-                    Ask::Dial(dial, value) => drop(dials.insert(dial, value)),
+                    Ask::Dial(dial, value) => {
+                        dials.insert(dial, value);
+                    }
                     Ask::Wind(velocity) => wind = Some(velocity),
-                    ask => self.do_asked(ask),
+                    ask => {
+                        // What was asked before acts before.
+                        self.turn(&mut dials, &mut wind);
+                        self.do_asked(ask);
+                    }
                 }
             }
-            if !dials.is_empty() || wind.is_some() {
-                self.turn(&dials, wind);
-            }
+            self.turn(&mut dials, &mut wind);
             if self.playing {
                 self.advance();
             }
@@ -256,7 +260,9 @@ impl Work {
                 blow(&mut scene, self.simulation.time(), velocity);
                 self.update(&scene);
             }
-            Ask::Body(name, pose) => drop(self.drags.insert(name, pose)),
+            Ask::Body(name, pose) => {
+                self.drags.insert(name, pose);
+            }
             Ask::Pace(pace) => {
                 self.pace = pace;
                 self.began = (Instant::now(), self.simulation.time());
@@ -273,11 +279,15 @@ impl Work {
         }
     }
 
-    /// Changes the scene by dials and a wind, and the one that the simulation starts anew with.
-    fn turn(&mut self, dials: &BTreeMap<usize, f64>, wind: Option<DVec3>) {
+    /// Changes the scene by dials and a wind, if there are any, and the one that the simulation starts anew with.
+    fn turn(&mut self, dials: &mut BTreeMap<usize, f64>, wind: &mut Option<DVec3>) {
+        if dials.is_empty() && wind.is_none() {
+            return;
+        }
+        let (dials, wind) = (std::mem::take(dials), wind.take());
         let mut scene = self.simulation.scene().scene().clone();
         for scene in [&mut scene, &mut self.dialled] {
-            for (&dial, &value) in dials {
+            for (&dial, &value) in &dials {
                 (DIALS[dial].set)(scene, &self.opened, value);
             }
             if let Some(velocity) = wind {

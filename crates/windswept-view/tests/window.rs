@@ -14,6 +14,8 @@ use windswept_view::{App, Opened, setup};
 
 const SCENES: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/scenes");
 const SIZE: [f32; 2] = [1000.0, 760.0];
+/// Where the picture begins beside the panel.
+const LEFT: u32 = 350;
 /// Somewhere in the picture beside the panel.
 const PICTURE: Pos2 = pos2(650.0, 380.0);
 /// Longest that something may take; far beyond what it does.
@@ -56,6 +58,14 @@ fn wait(window: &mut Window, what: &str, until: impl Fn(&Window) -> bool) {
     }
 }
 
+/// Lets what was asked for come back.
+fn settle(window: &mut Window) {
+    for _ in 0..30 {
+        window.step();
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
 /// The value behind a label of the panel's numbers.
 fn number(window: &Window, name: &str) -> String {
     let all: Vec<String> = window.query_all_by_role(Role::Label).filter_map(|node| node.value()).collect();
@@ -83,7 +93,9 @@ fn turn(window: &mut Window, slider: &str, value: f64) {
 fn picture(window: &mut Window) -> RgbaImage {
     window.step();
     let mut all = window.render().unwrap();
-    windswept_export::image::imageops::crop(&mut all, 330, 0, 670, 760).to_image()
+    static N: std::sync::atomic::AtomicU32 = std::sync::atomic::AtomicU32::new(0); // DEBUG
+    all.save(format!("/tmp/shots/{}-{:02}.png", std::thread::current().name().unwrap(), N.fetch_add(1, std::sync::atomic::Ordering::Relaxed))).unwrap(); // DEBUG
+    windswept_export::image::imageops::crop(&mut all, LEFT, 0, 1000 - LEFT, 760).to_image()
 }
 
 /// Whether a pixel is brown, as hair and solids are: the backdrop is bluish grey.
@@ -228,19 +240,15 @@ fn the_pointer_says_what_it_is_over() {
     let out = tempfile::tempdir().unwrap();
     let mut window = brush(out.path());
     window.key_press(Key::F);
-    window.step();
+    settle(&mut window);
     let lines = picture(&mut window);
     // The lowest row of the picture that has hair, and a pixel of hair there.
     let found = lines.enumerate_pixels().filter(|(_, _, p)| is_brown(p));
     let (x, y, _) = found.max_by_key(|(x, _, _)| *x).unwrap();
     let before = picture(&mut window);
-    let at = pos2(330.0 + x as f32, y as f32);
+    let at = pos2(LEFT as f32 + x as f32, y as f32);
     window.hover_at(at);
-    wait(&mut window, "the pointed state", |_| true);
-    for _ in 0..20 {
-        window.step();
-        std::thread::sleep(Duration::from_millis(5));
-    }
+    settle(&mut window);
     let pointed = picture(&mut window);
     // The words in their box.
     assert!(differing(&before, &pointed) > 2000, "{} pixels differ", differing(&before, &pointed));
@@ -258,7 +266,7 @@ fn a_body_is_dragged() {
     let low = before.enumerate_pixels().filter(|(_, _, p)| is_brown(p)).map(|(_, y, _)| y).max().unwrap();
     let row: Vec<u32> =
         before.enumerate_pixels().filter(|(_, y, p)| *y == low && is_brown(p)).map(|(x, ..)| x).collect();
-    let from = pos2(330.0 + row[row.len() / 2] as f32, low as f32 - 12.0);
+    let from = pos2(LEFT as f32 + row[row.len() / 2] as f32, low as f32 - 12.0);
     let to = from + eframe::egui::vec2(-120.0, -20.0);
     let button = |pos, pressed| Event::PointerButton {
         pos,
