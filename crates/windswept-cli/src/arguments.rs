@@ -4,6 +4,8 @@ mod finished;
 mod groom;
 mod numbers;
 mod run;
+#[cfg(feature = "view")]
+mod view;
 
 use std::path::{Path, PathBuf};
 
@@ -20,6 +22,8 @@ pub(crate) use finished::SpectrumOptions;
 pub(crate) use finished::{ExportOptions, MeasureArguments, Range, RenderOptions};
 pub(crate) use groom::{ConvertOptions, Groom};
 pub(crate) use run::{Asked, OnBlowup, RunOptions};
+#[cfg(feature = "view")]
+pub(crate) use view::{ViewOptions, What};
 
 /// Hair in turbulent wind, simulated on the GPU: a scene file in, frames out.
 #[derive(Debug, Parser)]
@@ -32,6 +36,11 @@ pub(crate) struct Arguments {
 /// Examples of the commands that this build has, and the exit status.
 fn examples() -> String {
     let mut text = String::from(EXAMPLES);
+    if cfg!(feature = "view") {
+        text += "
+  windswept view scene.toml
+      a window on it while it runs, with dials for wind, eddies and hair; or, of a run's folder, its film";
+    }
     if cfg!(feature = "spectrum") {
         text += "
   windswept spectrum out/wind
@@ -80,6 +89,9 @@ Examples:
 pub(crate) enum Command {
     /// Simulate a scene and write what happens into a folder
     Run(RunOptions),
+    #[cfg(feature = "view")]
+    /// Open a window on a scene that runs, with dials, or on the film of a run
+    View(ViewOptions),
     /// Make pictures of a run that is over or was stopped, from its hair.vtkhdf and scene.toml
     Render(RenderOptions),
     /// Make one film for other programs of a run that is over or was stopped, from its hair.vtkhdf and scene.toml
@@ -124,6 +136,18 @@ pub(crate) enum Command {
     Groom(Groom),
     /// List the GPUs that a run can use, the one it would take first
     Adapters,
+}
+
+/// Refuses `--set`s that change more of a run that is over than its pictures.
+pub(crate) fn of_pictures(sets: &[String]) -> Result<(), Failure> {
+    let is_of_pictures = |set: &&String| {
+        let table = set.split(['.', '=']).next().unwrap_or_default().trim();
+        ["camera", "picture"].contains(&table)
+    };
+    match sets.iter().find(|set| !is_of_pictures(set)) {
+        Some(set) => Err(Failure::Input(format!("--set {set}: only keys of camera and picture change a picture"))),
+        None => Ok(()),
+    }
 }
 
 #[derive(Debug, Args)]

@@ -1,5 +1,5 @@
-//! The `windswept` command: `run`, `render`, `export`, `measure`, `spectrum`, `check`, `plan`, `groom`, `validate`,
-//! `adapters`. `spectrum` and `validate` are features of the crate, both on by default.
+//! The `windswept` command: `run`, `view`, `render`, `export`, `measure`, `spectrum`, `check`, `plan`, `groom`, `validate`,
+//! `adapters`. `spectrum`, `validate` and `view` are features of the crate, the first two on by default.
 //!
 //! [`run`] is the whole command. Its help names the exit statuses.
 
@@ -21,6 +21,8 @@ mod spectrum;
 mod trial;
 #[cfg(feature = "validate")]
 mod validate;
+#[cfg(feature = "view")]
+mod view;
 
 use std::ffi::OsString;
 use std::io::{IsTerminal, Write, stderr, stdout};
@@ -80,6 +82,8 @@ pub fn run_on(
 fn dispatch(command: &Command, console: &mut Console<'_>) -> Result<(), Failure> {
     match command {
         Command::Run(options) => run::run(options, console),
+        #[cfg(feature = "view")]
+        Command::View(options) => view::view(options, console),
         Command::Render(options) => render::render(options, console),
         Command::Export(options) => export::export(options, console),
         Command::Check { schema: true, .. } => inspect::schema(console),

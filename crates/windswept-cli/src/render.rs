@@ -8,7 +8,7 @@ use windswept_export::{
 };
 use windswept_scene::{AirPicture, CheckedScene, Scene};
 
-use crate::arguments::{Range, RenderOptions};
+use crate::arguments::{Range, RenderOptions, of_pictures};
 use crate::console::Console;
 use crate::failure::Failure;
 use crate::finished::{OF_HAIR, OF_SCENE, check_folder, open, there};
@@ -122,13 +122,7 @@ impl FinishedRun {
     fn open(options: &RenderOptions) -> Result<Self, Failure> {
         let dir = &options.dir;
         check_folder(dir)?;
-        let of_pictures = |set: &str| {
-            let table = set.split(['.', '=']).next().unwrap_or_default().trim();
-            ["camera", "picture"].contains(&table)
-        };
-        if let Some(set) = options.sets.iter().find(|set| !of_pictures(set)) {
-            return Err(Failure::Input(format!("--set {set}: only keys of camera and picture change a picture")));
-        }
+        of_pictures(&options.sets)?;
         let output = Output::of_run(dir);
         let scene = there(output.scene(), OF_SCENE)?;
         let hair = there(output.film(Kind::Hair), OF_HAIR)?;

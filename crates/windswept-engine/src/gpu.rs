@@ -78,6 +78,25 @@ pub fn wanted_features(adapter: &wgpu::Adapter) -> wgpu::Features {
     adapter.features() & wanted
 }
 
+/// The device that [`Gpu::new`] asks an adapter for, for a program that opens one by other means, as with a window.
+#[must_use]
+pub fn device_descriptor(adapter: &wgpu::Adapter) -> wgpu::DeviceDescriptor<'static> {
+    let has = adapter.limits();
+    let limits = wgpu::Limits {
+        max_storage_buffer_binding_size: has.max_storage_buffer_binding_size,
+        max_buffer_size: has.max_buffer_size,
+        max_storage_textures_per_shader_stage: has.max_storage_textures_per_shader_stage,
+        max_texture_dimension_2d: has.max_texture_dimension_2d,
+        ..wgpu::Limits::default()
+    };
+    wgpu::DeviceDescriptor {
+        label: Some("windswept"),
+        required_features: wanted_features(adapter),
+        required_limits: limits,
+        ..Default::default()
+    }
+}
+
 impl Gpu {
     /// Opens a device on the best adapter: discrete before integrated before virtual before software.
     ///
@@ -112,21 +131,7 @@ impl Gpu {
     pub fn new(choice: &AdapterChoice) -> Result<Self, GpuError> {
         let adapter = adapter::choose(choice)?;
         let info = AdapterInfo::new(&adapter.get_info());
-        let has = adapter.limits();
-        let limits = wgpu::Limits {
-            max_storage_buffer_binding_size: has.max_storage_buffer_binding_size,
-            max_buffer_size: has.max_buffer_size,
-            max_storage_textures_per_shader_stage: has.max_storage_textures_per_shader_stage,
-            max_texture_dimension_2d: has.max_texture_dimension_2d,
-            ..wgpu::Limits::default()
-        };
-        let descriptor = wgpu::DeviceDescriptor {
-            label: Some("windswept"),
-            required_features: wanted_features(&adapter),
-            required_limits: limits,
-            ..Default::default()
-        };
-        let (device, queue) = pollster::block_on(adapter.request_device(&descriptor))
+        let (device, queue) = pollster::block_on(adapter.request_device(&device_descriptor(&adapter)))
             .map_err(|error| GpuError::NoDevice { adapter: info.name.clone(), reason: error.to_string() })?;
         Self::from_device(&adapter, device, queue)
     }

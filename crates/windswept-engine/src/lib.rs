@@ -29,7 +29,7 @@ pub use glam;
 pub use engine::required_limits;
 pub use error::{CheckpointError, Error, GpuError, RunError};
 pub use frame::{AirFrame, Frame, HairFrame};
-pub use gpu::{AdapterChoice, AdapterInfo, Gpu, ShaderVariant, adapters, wanted_features};
+pub use gpu::{AdapterChoice, AdapterInfo, Gpu, ShaderVariant, adapters, device_descriptor, wanted_features};
 pub use plan::{BufferRow, MemoryBytes, PlanRow, Uses, buffers, memory_bytes, table as plan};
 pub use report::{BandEnergy, BodyReport, ParticleCounts, PassReport, Report, Reset, RunFailure, SkippedReport};
 pub use simulation::{Accelerations, AirSample, Buffers, Checkpoint, HairLoads, Simulation};

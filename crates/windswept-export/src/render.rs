@@ -13,6 +13,7 @@ mod groom;
 mod maker;
 mod passes;
 mod patch;
+mod solids;
 mod target;
 mod view;
 
@@ -26,6 +27,7 @@ use windswept_shaders::pictures::common::FINE;
 use crate::error::ExportError;
 use groom::Groom;
 use passes::Passes;
+pub use solids::Solids;
 use target::Target;
 pub use view::View;
 
@@ -120,7 +122,14 @@ impl Renderer {
     /// # Errors
     /// As [`Self::new`]; then the camera is the one before.
     pub fn look_through(&mut self, camera: &Camera) -> Result<(), ExportError> {
-        let view = View::new(&self.scene, camera, &self.groom.followers)?;
+        self.look_from(View::new(&self.scene, camera, &self.groom.followers)?)
+    }
+
+    /// Takes the next pictures from somewhere else, in another size.
+    ///
+    /// # Errors
+    /// As [`Self::new`]; then the camera is the one before.
+    pub fn look_from(&mut self, view: View) -> Result<(), ExportError> {
         if (view.width, view.height) != (self.view.width, self.view.height) {
             check_size(&self.gpu, &view)?;
             self.target = Target::new(&self.gpu, view.width, view.height)?;
@@ -155,6 +164,26 @@ impl Renderer {
     /// [`ExportError::Picture`] if the frame is not of this renderer's strands, has a point that is not finite, or
     /// lacks what `picture.air` colours by; [`ExportError::Gpu`] if the driver refuses or the device is lost.
     pub fn render(&self, frame: &Frame) -> Result<RgbaImage, ExportError> {
+        self.draw(frame, |encoder| self.target.copy(encoder))?;
+        self.target.read(&self.gpu)
+    }
+
+    /// Draws the frame to [`Self::shown`], and does not wait for it.
+    ///
+    /// # Errors
+    /// As [`Self::render`].
+    pub fn show(&self, frame: &Frame) -> Result<(), ExportError> {
+        self.draw(frame, |_| {})
+    }
+
+    /// The texture that [`Self::show`] draws to, as `Rgba8Unorm`. A picture of another size has another one.
+    #[must_use]
+    pub fn shown(&self) -> wgpu::TextureView {
+        self.target.shown()
+    }
+
+    /// Draws the frame, and encodes what is done with it.
+    fn draw(&self, frame: &Frame, then: impl FnOnce(&mut wgpu::CommandEncoder)) -> Result<(), ExportError> {
         let air = self.accept(frame)?;
         let points = frame.hair.positions.iter().map(|p| Vec3::from_array(*p));
         let (low, high) = points.fold((Vec3::MAX, Vec3::MIN), |(low, high), x| (low.min(x), high.max(x)));
@@ -174,10 +203,11 @@ impl Renderer {
                     .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("picture") });
                 self.passes.prepare(&mut encoder);
                 self.target.draw(&mut encoder, |pass| self.passes.draw(pass, air.as_ref()));
+                then(&mut encoder);
                 self.gpu.queue().submit([encoder.finish()]);
             },
         )?;
-        self.target.read(&self.gpu)
+        Ok(())
     }
 
     /// Position and brightness of each air particle that is drawn, if the frame can be.

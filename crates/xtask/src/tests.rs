@@ -16,6 +16,25 @@ pub(crate) enum Length {
     Long,
 }
 
+/// The feature of the command that is off by default.
+const VIEW: &str = "windswept-cli/view";
+/// Tests of the window, and of the command that opens it.
+const OF_WINDOW: [&str; 13] = [
+    "test",
+    "--package",
+    "windswept-view",
+    "--package",
+    "windswept-cli",
+    "--features",
+    VIEW,
+    "--lib",
+    "--test",
+    "window",
+    "--test",
+    "view",
+    "--no-fail-fast",
+];
+
 pub(crate) fn run(length: Length) -> Result {
     let driver = vulkan::software_driver()?;
     let python = venv::provide(&python::READERS)?;
@@ -42,7 +61,8 @@ pub(crate) fn run(length: Length) -> Result {
     crate::run(cargo().args(["fmt", "--all", "--check"]))?;
 
     say("Lints");
-    crate::run(&mut run_cargo(&["clippy", "--workspace", "--all-targets", "--", "--deny", "warnings"])?)?;
+    let all = ["clippy", "--workspace", "--features", VIEW, "--all-targets", "--", "--deny", "warnings"];
+    crate::run(&mut run_cargo(&all)?)?;
 
     say("Documentation");
     let mut documentation = run_cargo(&["doc", "--workspace", "--no-deps"])?;
@@ -51,9 +71,13 @@ pub(crate) fn run(length: Length) -> Result {
     let package = python::install("dev")?;
     say("Tests, and those of the Python package beside them");
     let ignored: &[&str] = if length == Length::Long { &["--", "--include-ignored"] } else { &[] };
-    let mut of_rust = run_cargo(&[&["test", "--workspace", "--no-fail-fast"], ignored].concat())?;
+    // The window's crates turn features of others on: beside it these would be built a second time, tests and all.
+    let most = ["test", "--workspace", "--exclude", "windswept-view", "--no-fail-fast"];
+    let mut of_rust = run_cargo(&[&most, ignored].concat())?;
+    let mut of_window = run_cargo(&[&OF_WINDOW, ignored].concat())?;
     let mut of_python = python::tests(&package, length)?;
     on_software(&mut of_rust);
+    on_software(&mut of_window);
     on_software(&mut of_python);
     if let (None, Ok(cores)) = (std::env::var_os("RUST_TEST_THREADS"), thread::available_parallelism()) {
         // Many tests wait for a process: half as many again as there are cores keep these busy.
@@ -63,7 +87,10 @@ pub(crate) fn run(length: Length) -> Result {
     // for the end.
     let (rust, python) = thread::scope(|scope| {
         let python = scope.spawn(|| run_and_collect(&mut of_python));
-        (run_and_count(&mut of_rust, |row| println!("{row}")), python.join())
+        let print = |row: &str| println!("{row}");
+        let rust =
+            run_and_count(&mut of_rust, print).and_then(|most| Ok(most.and(&run_and_count(&mut of_window, print)?)));
+        (rust, python.join())
     });
     let (printed, python) = python.map_err(|_| "the thread that ran the tests of Python panicked")??;
     say("Tests of the Python package");

@@ -67,6 +67,24 @@ impl AdapterChoice {
         }
     }
 
+    /// The adapter that is chosen among these.
+    ///
+    /// # Errors
+    /// [`GpuError::NoAdapter`] says what was looked for, what there is and what to install.
+    pub fn among(&self, mut adapters: Vec<wgpu::Adapter>) -> Result<wgpu::Adapter, GpuError> {
+        sort(&mut adapters);
+        let names: Vec<_> = adapters.iter().map(|adapter| AdapterInfo::new(&adapter.get_info()).to_string()).collect();
+        adapters.into_iter().find(|adapter| self.matches(&adapter.get_info())).ok_or_else(|| GpuError::NoAdapter {
+            wanted: self.to_string(),
+            found: if names.is_empty() {
+                "no Vulkan, Metal or DX12 adapter at all".to_owned()
+            } else {
+                names.join(", ")
+            },
+            help: HELP.to_owned(),
+        })
+    }
+
     fn matches(&self, info: &wgpu::AdapterInfo) -> bool {
         match self {
             Self::Best => true,
@@ -93,13 +111,7 @@ pub fn adapters() -> Vec<AdapterInfo> {
 }
 
 pub(super) fn choose(choice: &AdapterChoice) -> Result<wgpu::Adapter, GpuError> {
-    let all = enumerate();
-    let names: Vec<_> = all.iter().map(|adapter| AdapterInfo::new(&adapter.get_info()).to_string()).collect();
-    all.into_iter().find(|adapter| choice.matches(&adapter.get_info())).ok_or_else(|| GpuError::NoAdapter {
-        wanted: choice.to_string(),
-        found: if names.is_empty() { "no Vulkan, Metal or DX12 adapter at all".to_owned() } else { names.join(", ") },
-        help: HELP.to_owned(),
-    })
+    choice.among(enumerate())
 }
 
 /// Advice where there is no adapter: Mesa's package carries lavapipe, which needs no GPU.
@@ -119,12 +131,17 @@ fn enumerate() -> Vec<wgpu::Adapter> {
     descriptor.backends = backends;
     let instance = wgpu::Instance::new(descriptor);
     let mut all = pollster::block_on(instance.enumerate_adapters(backends));
-    all.sort_by_key(|adapter| match adapter.get_info().device_type {
+    sort(&mut all);
+    all
+}
+
+/// Puts the best adapter first.
+fn sort(adapters: &mut [wgpu::Adapter]) {
+    adapters.sort_by_key(|adapter| match adapter.get_info().device_type {
         wgpu::DeviceType::DiscreteGpu => 0,
         wgpu::DeviceType::IntegratedGpu => 1,
         wgpu::DeviceType::VirtualGpu => 2,
         wgpu::DeviceType::Other => 3,
         wgpu::DeviceType::Cpu => 4,
     });
-    all
 }

@@ -13,6 +13,8 @@ use crate::error::ExportError;
 
 /// Linear to sRGB, and back for blending, is the texture's work.
 pub(super) const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
+/// The same bytes as a program takes them that blends in sRGB.
+pub(super) const BYTES: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 /// Format of the depth buffer.
 pub(super) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 /// Samples of a drawn pixel, as many as every adapter has.
@@ -35,7 +37,7 @@ pub(super) struct Target {
 impl Target {
     pub(super) fn new(gpu: &Gpu, width: u32, height: u32) -> Result<Self, ExportError> {
         let pitch = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-        let texture = |label, format, fine, sample_count, usage| {
+        let texture = |label, format, fine, sample_count, usage, view_formats: &[wgpu::TextureFormat]| {
             gpu.device().create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
                 size: wgpu::Extent3d { width: fine * width, height: fine * height, depth_or_array_layers: 1 },
@@ -44,7 +46,7 @@ impl Target {
                 dimension: wgpu::TextureDimension::D2,
                 format,
                 usage,
-                view_formats: &[],
+                view_formats,
             })
         };
         let target = gpu.checked(
@@ -52,14 +54,15 @@ impl Target {
             || {
                 let target = wgpu::TextureUsages::RENDER_ATTACHMENT;
                 let (read, copied) = (wgpu::TextureUsages::TEXTURE_BINDING, wgpu::TextureUsages::COPY_SRC);
-                let drawn = texture("drawn", COLOUR, FINE, SAMPLES, target | read).create_view(&Default::default());
+                let drawn =
+                    texture("drawn", COLOUR, FINE, SAMPLES, target | read, &[]).create_view(&Default::default());
                 let m = Maker(gpu.device());
                 let bound = [(0, wgpu::BindingResource::TextureView(&drawn))];
                 Self {
                     size: [width, height],
                     average: m.draw(&m.module(&AVERAGE), "", &bound, None, Depth::Absent),
-                    depth: texture("depth", DEPTH, FINE, SAMPLES, target).create_view(&Default::default()),
-                    picture: texture("picture", COLOUR, 1, 1, target | copied),
+                    depth: texture("depth", DEPTH, FINE, SAMPLES, target, &[]).create_view(&Default::default()),
+                    picture: texture("picture", COLOUR, 1, 1, target | read | copied, &[BYTES]),
                     drawn,
                     readback: gpu.device().create_buffer(&wgpu::BufferDescriptor {
                         label: Some("picture readback"),
@@ -74,7 +77,12 @@ impl Target {
         Ok(target)
     }
 
-    /// Runs `draw` over an empty picture and copies it to where it can be read.
+    /// The picture in [`BYTES`].
+    pub(super) fn shown(&self) -> wgpu::TextureView {
+        self.picture.create_view(&wgpu::TextureViewDescriptor { format: Some(BYTES), ..Default::default() })
+    }
+
+    /// Runs `draw` over an empty picture.
     pub(super) fn draw(&self, encoder: &mut wgpu::CommandEncoder, draw: impl FnOnce(&mut wgpu::RenderPass<'_>)) {
         let picture = self.picture.create_view(&Default::default());
         let depth = wgpu::RenderPassDepthStencilAttachment {
@@ -97,7 +105,10 @@ impl Target {
         let mut pass = over(&picture, None);
         self.average.begin(&mut pass);
         pass.draw(0..3, 0..1);
-        drop(pass);
+    }
+
+    /// Copies the picture to where it can be read.
+    pub(super) fn copy(&self, encoder: &mut wgpu::CommandEncoder) {
         let [width, height] = self.size;
         encoder.copy_texture_to_buffer(
             self.picture.as_image_copy(),

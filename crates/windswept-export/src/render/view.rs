@@ -89,7 +89,8 @@ impl View {
     }
 
     /// Unit vectors to the picture's right and top, and from what the camera looks at to the camera.
-    pub(crate) fn axes(&self) -> [DVec3; 3] {
+    #[must_use]
+    pub fn axes(&self) -> [DVec3; 3] {
         let back = (self.eye - self.target).normalize();
         let right = self.up().cross(back).normalize();
         [right, back.cross(right), back]
@@ -100,8 +101,10 @@ impl View {
         if forward.cross(DVec3::Y).length() > 1e-3 { DVec3::Y } else { DVec3::NEG_Z }
     }
 
-    /// `depths`: of the nearest and the farthest that is seen \[m\].
-    fn clip_from_world(&self, depths: [f64; 2]) -> DMat4 {
+    /// Matrix from the world \[m\] to clip space, where depth is 0 to 1. `depths`: of the nearest and the farthest that is seen
+    /// \[m\].
+    #[must_use]
+    pub fn clip_from_world(&self, depths: [f64; 2]) -> DMat4 {
         let aspect = f64::from(self.width) / f64::from(self.height);
         proj::directx::perspective(self.fov.to_radians(), aspect, depths[0], depths[1])
             * look_at_mat4(self.eye, self.target, self.up())
