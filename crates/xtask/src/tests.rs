@@ -11,11 +11,14 @@ use crate::{Result, cargo, figures, line, python, say, venv, vulkan};
 pub(crate) enum Length {
     /// The tests that `cargo test` runs, and those of pytest without the mark `long`.
     Usual,
-    /// Also the tests that are ignored because they take long, the Python tests marked `long`, for which Blender is
+    /// Also the window, the tests that are ignored because they take long, the Python tests marked `long`, for which Blender is
     /// installed, a short run of the benches, and the claims about the paper's figures.
     Long,
 }
 
+/// All but the window, whose 80 crates take minutes to build and turn features of others on: these would be built a second
+/// time.
+const WITHOUT_WINDOW: [&str; 3] = ["--workspace", "--exclude", "windswept-view"];
 /// The feature of the command that is off by default.
 const VIEW: &str = "windswept-cli/view";
 /// Tests of the window, and of the command that opens it.
@@ -61,19 +64,20 @@ pub(crate) fn run(length: Length) -> Result {
     crate::run(cargo().args(["fmt", "--all", "--check"]))?;
 
     say("Lints");
-    let all = ["clippy", "--workspace", "--features", VIEW, "--all-targets", "--", "--deny", "warnings"];
-    crate::run(&mut run_cargo(&all)?)?;
+    let linted: &[&str] = match length {
+        Length::Usual => &WITHOUT_WINDOW,
+        Length::Long => &["--workspace", "--features", VIEW],
+    };
+    crate::run(&mut run_cargo(&[&["clippy"], linted, &["--all-targets", "--", "--deny", "warnings"]].concat())?)?;
 
     say("Documentation");
-    let mut documentation = run_cargo(&["doc", "--workspace", "--no-deps"])?;
+    let mut documentation = run_cargo(&[&["doc", "--no-deps"], linted].concat())?;
     crate::run(documentation.env("RUSTDOCFLAGS", "--deny warnings"))?;
 
     let package = python::install("dev")?;
     say("Tests, and those of the Python package beside them");
     let ignored: &[&str] = if length == Length::Long { &["--", "--include-ignored"] } else { &[] };
-    // The window's crates turn features of others on: beside it these would be built a second time, tests and all.
-    let most = ["test", "--workspace", "--exclude", "windswept-view", "--no-fail-fast"];
-    let mut of_rust = run_cargo(&[&most, ignored].concat())?;
+    let mut of_rust = run_cargo(&[&["test", "--no-fail-fast"], &WITHOUT_WINDOW[..], ignored].concat())?;
     let mut of_window = run_cargo(&[&OF_WINDOW, ignored].concat())?;
     let mut of_python = python::tests(&package, length)?;
     on_software(&mut of_rust);
@@ -88,8 +92,10 @@ pub(crate) fn run(length: Length) -> Result {
     let (rust, python) = thread::scope(|scope| {
         let python = scope.spawn(|| run_and_collect(&mut of_python));
         let print = |row: &str| println!("{row}");
-        let rust =
-            run_and_count(&mut of_rust, print).and_then(|most| Ok(most.and(&run_and_count(&mut of_window, print)?)));
+        let mut rust = run_and_count(&mut of_rust, print);
+        if length == Length::Long {
+            rust = rust.and_then(|most| Ok(most.and(&run_and_count(&mut of_window, print)?)));
+        }
         (rust, python.join())
     });
     let (printed, python) = python.map_err(|_| "the thread that ran the tests of Python panicked")??;
