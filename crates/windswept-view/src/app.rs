@@ -455,8 +455,9 @@ impl App {
         let started = [PointerButton::Primary, PointerButton::Secondary].map(|button| response.drag_started_by(button));
         if shift && started.contains(&true) {
             let from = ui.input(|input| input.pointer.press_origin()).or(response.interact_pointer_pos());
-            let grip = from
-                .and_then(|at| body_at(&state.scene, &state.frame, &self.orbit.view(self.size()), self.pixel(rect, at)));
+            let grip = from.and_then(|at| {
+                body_at(&state.scene, &state.frame, &self.orbit.view(self.size()), self.pixel(rect, at))
+            });
             self.drag = grip.zip(from).map(|(grip, from)| Drag { grip, from, turns: started[1] });
         }
         if response.drag_stopped() {
