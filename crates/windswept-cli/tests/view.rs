@@ -106,8 +106,7 @@ fn wait(what: &str, mut until: impl FnMut() -> bool) {
 
 /// Pixels of the right half of the picture that are brown: only hair is, there.
 fn brown(pixels: &[[u8; 3]]) -> Vec<usize> {
-    let is_hair =
-        |(k, p): (usize, &[u8; 3])| (k % SCREEN[0] > 810 && p[0] > p[2].saturating_add(8) && p[0] < 140).then_some(k);
+    let is_hair = |(k, p): (usize, &[u8; 3])| (k % SCREEN[0] > 810 && p[0] > p[2].saturating_add(8)).then_some(k);
     pixels.iter().enumerate().filter_map(is_hair).collect()
 }
 

@@ -119,8 +119,8 @@ impl AirLook {
     }
 }
 
-/// Change of length of the segment that ends at each point, over its rest length; that of a strand's first segment at its root
-/// too. `rest`: lengths of all segments \[m\].
+/// Change of length of the segment that ends at each point, over its rest length; that of a strand's first segment at its
+/// root too. `rest`: lengths of all segments \[m\].
 fn length_errors(frame: &Frame, rest: &[f64]) -> Vec<f32> {
     let hair = &frame.hair;
     let mut errors = vec![0.0; hair.positions.len()];
@@ -151,7 +151,7 @@ pub(crate) fn length(v: [f32; 3]) -> f32 {
     v.iter().map(|x| x * x).sum::<f32>().sqrt()
 }
 
-/// The value of the last colour; the first colour's is 0. It rises at once and falls slowly, so that a picture does not flicker.
+/// The value of the last colour; the first colour's is 0. It rises at once and falls slowly, so that no picture flickers.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Range(pub(crate) f32);
 

@@ -266,7 +266,7 @@ pub(crate) fn time_bar(app: &mut App, ui: &mut Ui) {
         let (mut at, times) = (playback.at(), playback.times());
         let (last, end) = (times.len() - 1, times[times.len() - 1]);
         let words = format!("{:.3} of {end:.3} s, frame {at} of {last}", playback.frame().time);
-        ui.spacing_mut().slider_width = (ui.available_width() - 260.0).max(100.0);
+        ui.spacing_mut().slider_width = (ui.available_width() - 340.0).max(100.0);
         ui.add(Slider::new(&mut at, 0..=last).show_value(false).text("time"));
         ui.monospace(words);
         if at != playback.at()
