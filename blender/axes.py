@@ -22,6 +22,11 @@ def placed(points, matrix, unit):
     return of_windswept(unit * (points @ matrix[:3, :3].T + matrix[:3, 3]))
 
 
+def rounded(numbers):
+    """Numbers of a scene to nine decimals: it takes none between 0 and 1e-18, as rounding leaves them."""
+    return np.round(numbers, 9)
+
+
 def read(collection, name, width=1, kind=np.float32):
     """What each element of a Blender collection has under a name: `(n, width)`, or `(n,)`."""
     values = np.empty(width * len(collection), kind)

@@ -5,7 +5,7 @@ import re
 import numpy as np
 from mathutils import Matrix
 
-from .axes import placed, read
+from .axes import placed, read, rounded
 from .error import Unfit
 
 #: Largest distance of a point of a rigid mesh from where its motion has it, in parts of its size: Blender's numbers are float32.
@@ -53,18 +53,21 @@ class Poses:
         return any(np.abs(now - start).max() > RIGID * extent(start) for now in self.positions)
 
     def written(self, folder, times):
-        """The `[[body]]`, whose file is in the folder."""
+        """The `[[body]]`, whose file is in the folder, and the origin of that file in the first frame [m].
+
+        A rigid mesh has its middle as origin, so that it turns about that and the air which follows it stays with it.
+        """
         import windswept as ws
 
-        if not self.moves():
-            motion = []
-        elif (motion := rigid_motion(np.stack(self.positions), times)) is None:
+        positions = np.stack(self.positions if self.moves() else self.positions[:1])
+        motion = rigid_motion(positions, times)
+        if motion is None:
             path = folder / f"{self.name}.npz"
-            ws.write_frames(path, np.stack(self.positions), self.triangles, times, meters_per_unit=1.0)
-            return ws.Body(name=self.name, shape=ws.MeshFile(frames=str(path)))
-        path = folder / f"{self.name}.obj"
-        ws.write_mesh(path, self.positions[0], self.triangles)
-        return ws.Body(name=self.name, shape=ws.MeshFile(file=str(path), scale=1.0), motion=motion)
+            ws.write_frames(path, positions, self.triangles, times, meters_per_unit=1.0)
+            return ws.Body(name=self.name, shape=ws.MeshFile(frames=str(path))), np.zeros(3)
+        path, origin = folder / f"{self.name}.obj", motion[0].translation
+        ws.write_mesh(path, positions[0] - origin, self.triangles)
+        return ws.Body(name=self.name, shape=ws.MeshFile(file=str(path), scale=1.0), motion=motion), origin
 
 
 def extent(points):
@@ -72,7 +75,7 @@ def extent(points):
 
 
 def rigid_motion(positions, times):
-    """Keyframes about the origin that carry the first of the poses `(T, n, 3)` to the others; None where it deforms.
+    """Keyframes of the first of the poses `(T, n, 3)`, about its middle; None where the others are no such motions of it.
 
     The rotation is the nearest one, by Kabsch's method.
     """
@@ -82,11 +85,11 @@ def rigid_motion(positions, times):
     u, _, vt = np.linalg.svd(np.einsum("tni,nj->tij", positions - middles[:, None], start - middles[0]))
     u[:, :, 2] *= np.linalg.det(u @ vt)[:, None]
     turns = u @ vt
-    shifts = middles - turns @ middles[0]
-    off = np.einsum("tij,nj->tni", turns, start) + shifts[:, None] - positions
+    off = np.einsum("tij,nj->tni", turns, start - middles[0]) + middles[:, None] - positions
     if np.abs(off).max() > RIGID * extent(start):
         return None
-    return [ws.Keyframe(time=t, translation=s, rotation=r) for t, s, r in zip(times, shifts, rotation_vectors(turns))]
+    poses = zip(times, rounded(middles), rounded(rotation_vectors(turns)))
+    return [ws.Keyframe(time=t, translation=s, rotation=r) for t, s, r in poses]
 
 
 def rotation_vectors(turns):

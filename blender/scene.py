@@ -7,13 +7,15 @@ import bpy
 import numpy as np
 
 from . import wind
-from .axes import of_windswept, unit
+from .axes import of_windswept, rounded, unit
 from .bodies import Poses
 from .error import Unfit
 from .hair import groom
 
 #: Longest step [s], of which there are a whole number in each frame.
 STEP = 1.4e-3
+#: Room for the layer in which entering air is conditioned, 4 kernel radii thick [particle spacings].
+FRINGE = 8
 
 
 def folder_of(hair):
@@ -64,12 +66,14 @@ def write(context, hair, folder, progress=lambda part: None):
     fps = scene.render.fps / scene.render.fps_base
     times = np.arange(len(frames)) / fps
     folder.mkdir(parents=True, exist_ok=True)
-    np.savez(folder / "groom.npz", **arrays)
+    made_of = [poses.written(folder, times) for poses in bodies]
+    # The groom's origin is that of the scalp's file, as hair goes with it.
+    np.savez(folder / "groom.npz", **{**arrays, "points": arrays["points"] - made_of[0][1]})
     strands = len(arrays["offsets"]) - 1
     simulated = min(settings.strands, strands)
     made = ws.Scene(
         title=hair.name,
-        gravity=metres * of_windswept(scene.gravity) if scene.use_gravity else np.zeros(3),
+        gravity=rounded(metres * of_windswept(scene.gravity)) if scene.use_gravity else np.zeros(3),
         time=ws.Time(
             step=1 / (fps * np.ceil(1 / (fps * STEP))),
             substeps=settings.substeps,
@@ -82,11 +86,11 @@ def write(context, hair, folder, progress=lambda part: None):
             fibres_per_strand=strands / simulated,
             body=bodies[0].name,
         ),
-        body=[poses.written(folder, times) for poses in bodies],
+        body=[body for body, _ in made_of],
         air=ws.Air(**wind.keys(np.stack(velocities), times)),
     )
     if settings.particles:
-        add_particles(made, settings, arrays, bodies[0])
+        add_particles(made, settings, arrays["points"], arrays["offsets"], bodies[0])
     else:
         made.interaction.model = "drag"
     path = folder / "scene.toml"
@@ -94,17 +98,18 @@ def write(context, hair, folder, progress=lambda part: None):
     return path
 
 
-def add_particles(made, settings, arrays, scalp):
-    """Gives a scene air particles as far as hair gets, around the scalp, with which they go."""
+def add_particles(made, settings, points, offsets, scalp):
+    """Gives a scene air particles as far as hair with these points gets, around the scalp, with which they go."""
     import windswept as ws
 
-    roots = arrays["points"][arrays["offsets"][:-1]]
-    size = np.ptp(roots, axis=0).max()
-    # The margin cuts this box to the reach of the hair.
-    far = 1e3 * (1 + np.abs(arrays["points"]).max())
-    made.air.box = ws.Bounds(min=[-far] * 3, max=[far] * 3)
+    roots = points[offsets[:-1]]
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    length = (along[offsets[1:] - 1] - along[offsets[:-1]]).max()
     # A scalp takes at most a quarter of the box's cross-section.
-    made.air.margin = max(size / 2, 2 * settings.spacing)
+    made.air.margin = max(np.ptp(roots, axis=0).max() / 2, 2 * settings.spacing)
+    # Room for the fringe on every side: the margin cuts the box where wind does not enter.
+    room = length + made.air.margin + FRINGE * settings.spacing
+    made.air.box = ws.Bounds(min=rounded(roots.min(axis=0) - room), max=rounded(roots.max(axis=0) + room))
     made.air.spacing = settings.spacing
     if scalp.moves():
         made.air.follows = scalp.name

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from .axes import of_windswept
+from .axes import of_windswept, rounded
 
 
 def blowing(wind, speed, graph):
@@ -21,7 +21,7 @@ def keys(velocities, times):
     """Keys of `air` for these velocities `(T, 3)` [m/s]: their mean, and gusts about it where they change."""
     import windswept as ws
 
-    mean = velocities.mean(axis=0)
+    mean = rounded(velocities.mean(axis=0))
     if np.allclose(velocities, mean, rtol=0, atol=1e-6):
         return {"wind": mean}
-    return {"wind": mean, "gust": [ws.Gust(time=t, velocity=v - mean) for t, v in zip(times, velocities)]}
+    return {"wind": mean, "gust": [ws.Gust(time=t, velocity=v) for t, v in zip(times, rounded(velocities - mean))]}

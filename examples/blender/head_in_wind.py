@@ -18,7 +18,7 @@ folder.mkdir(parents=True, exist_ok=True)
 bpy.ops.wm.read_factory_settings(use_empty=True)
 bpy.ops.preferences.addon_enable(module="bl_ext.user_default.windswept")
 scene = bpy.context.scene
-scene.frame_start, scene.frame_end = 1, 33
+scene.frame_start, scene.frame_end = 1, 25
 bpy.ops.wm.save_as_mainfile(filepath=str(folder / "head.blend"))
 
 
@@ -42,7 +42,7 @@ bpy.ops.object.transform_apply()
 bpy.ops.object.shade_smooth()
 head.data.materials.clear()
 head.data.materials.append(material("Skin", "ShaderNodeBsdfPrincipled", Base_Color=(0.62, 0.42, 0.33, 1), Roughness=0.5))
-for frame, turn in [(1, 0.0), (20, 0.0), (33, -0.7)]:
+for frame, turn in [(1, 0.0), (15, 0.0), (25, -0.7)]:
     head.rotation_euler[2] = turn
     head.keyframe_insert("rotation_euler", frame=frame)
 
@@ -90,9 +90,10 @@ wind.rotation_euler = (-np.pi / 2, 0, 0.35)
 wind.location = (0, -0.4, 0)
 scene.collection.objects.link(wind)
 settings = groom.windswept
-settings.wind, settings.speed, settings.scale, settings.intensity = wind, 5.0, 0.04, 0.8
+settings.wind, settings.speed, settings.scale, settings.intensity, settings.spacing = wind, 5.0, 0.06, 0.8, 0.04
 settings.keys = bpy.data.texts.new("Keys")
-settings.keys.from_string("hair.youngs_modulus = 1e9\nbody.head.resolution = 0.004\n")
+settings.keys.from_string("hair.youngs_modulus = 1e9\nhair.points = 8\nbody.head.resolution = 0.004\n")
+settings.strands, settings.particles = 80, False
 
 # Camera, lights, and a small picture.
 camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
@@ -108,8 +109,8 @@ scene.world = bpy.data.worlds.new("World")
 scene.world.use_nodes = True
 scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.25, 0.3, 0.36, 1)
 scene.render.engine = "CYCLES"
-scene.cycles.device, scene.cycles.samples, scene.cycles.use_denoising = "CPU", 24, True
-scene.render.resolution_x, scene.render.resolution_y = 420, 420
+scene.cycles.device, scene.cycles.samples, scene.cycles.use_denoising = "CPU", 16, True
+scene.render.resolution_x, scene.render.resolution_y = 400, 360
 
 bpy.context.view_layer.objects.active = groom
 bpy.ops.wm.save_mainfile()
@@ -118,7 +119,7 @@ print(settings.said)
 bpy.ops.windswept.simulate()
 print(settings.said)
 bpy.ops.wm.save_mainfile()
-for frame in (1, 12, 20, 33):
+for frame in (1, 13, 25):
     scene.frame_set(frame)
     scene.render.filepath = str(folder / f"head-{frame:02}.png")
     bpy.ops.render.render(write_still=True)
