@@ -1,10 +1,11 @@
-//! `cargo xtask demo`, `python`, `stubs`, `test`, `docs`, `bench`, `figures`, `fuzz`, `mutants`, `new` and `package`: set
-//! up what a clean clone lacks, then run it.
+//! `cargo xtask demo`, `python`, `blender`, `stubs`, `test`, `docs`, `bench`, `figures`, `fuzz`, `mutants`, `new` and
+//! `package`: set up what a clean clone lacks, then run it.
 //!
 //! Everything that these commands fetch is either a system package, announced before it is installed, or lies in
 //! `target/venv` or `target/tools`.
 
 mod bench;
+mod blender;
 mod docs;
 mod figures;
 mod links;
@@ -29,6 +30,7 @@ Usage: cargo xtask <COMMAND>
 Commands:
   demo     build windswept and run examples/scenes/quick.toml, hair in turbulent wind, into out/quick
   python   build the Python wheel into target/wheels and install it into target/venv
+  blender  build the wheel, and the Blender extension that carries it, a zip in target/blender
   stubs    write what follows from the keys and docstrings of the native module: the classes of
            windswept/scene.py, and the docstrings of windswept/_native.pyi
   test     check formatting and lints, then run the tests on the software adapter;
@@ -64,6 +66,7 @@ fn main() -> ExitCode {
     let done = match words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["demo"] => demo(),
         ["python"] => python::provide(),
+        ["blender"] => blender::provide(),
         ["stubs"] => python::write_stubs(),
         ["test"] => tests::run(Length::Usual),
         ["test", "--long"] => tests::run(Length::Long),

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 use crate::tests::Length;
-use crate::{Result, cargo, root, run, say, system, venv};
+use crate::{Result, blender, cargo, root, run, say, system, venv};
 
 /// PyPI packages by which tests read our files with other people's readers, as users do.
 pub(crate) const READERS: [&str; 5] = ["numpy", "h5py", "vtk", "pillow", "usd-core; python_version >= '3.11'"];
@@ -74,15 +74,15 @@ pub(crate) fn tests(python: &Path, length: Length) -> Result<Command> {
     ]);
     if length == Length::Long {
         pytest.args(["-m", ""]);
-        if let Some(blender) = blender()? {
-            pytest.env("WINDSWEPT_BLENDER", blender);
+        if let Some(module) = blender_module()? {
+            pytest.env("WINDSWEPT_BLENDER", module).env("WINDSWEPT_EXTENSION", blender::pack(python)?);
         }
     }
     Ok(pytest)
 }
 
 /// The Python of `target/venv-blender`, which has Blender as a module, 1 GB; `None` where that is not for this Python.
-fn blender() -> Result<Option<PathBuf>> {
+fn blender_module() -> Result<Option<PathBuf>> {
     let name = "venv-blender";
     let python = venv::provide_in(name, &[])?;
     let fits = "import sys; sys.exit(sys.version_info[:2] != (3, 11))";
