@@ -12,10 +12,12 @@ film, groom, unit = sys.argv[1:]
 stage = Usd.Stage.Open(film)
 curves = next(UsdGeom.BasisCurves(prim) for prim in stage.Traverse() if prim.IsA(UsdGeom.BasisCurves))
 with np.load(groom) as arrays:
-    counts = np.diff(arrays["offsets"])
+    # Strands that could not be simulated are not in the film.
     own = np.array(UsdGeom.PrimvarsAPI(curves).GetPrimvar("groom_id").Get())
-    # Strands that could not be simulated are not in the film; strands of another number of points were placed anew.
-    if "radius" in arrays and np.array_equal(counts[own], curves.GetCurveVertexCountsAttr().Get()):
+    if "radius" in arrays:
         radius = np.split(arrays["radius"], arrays["offsets"][1:-1])
-        curves.GetWidthsAttr().Set(2 / float(unit) * np.concatenate([radius[k] for k in own]).astype(np.float32))
+        counts = curves.GetCurveVertexCountsAttr().Get()
+        # The scene may have placed points anew, evenly.
+        along = [np.interp(np.linspace(0, 1, n), np.linspace(0, 1, len(radius[k])), radius[k]) for k, n in zip(own, counts)]
+        curves.GetWidthsAttr().Set(2 / float(unit) * np.concatenate(along).astype(np.float32))
         stage.GetRootLayer().Save()
