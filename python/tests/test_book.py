@@ -132,7 +132,7 @@ def test_the_generated_parts_say_what_there_is(tmp_path):
     done = subprocess.run([sys.executable, "-I", ROOT / "docs/generate.py", tmp_path], capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     parts = {path.stem: path.read_text(encoding="utf-8") for path in tmp_path.glob("*.md")}
-    for key in ["air.box", "turbulence.scale", "hair.pin.at", "body.motion.rotation", "time.step"]:
+    for key in ["air.spacing", "turbulence.scale", "hair.pin.at", "body.motion.rotation", "time.step"]:
         assert f"| `{key}` |" in parts["keys"], key
     # Every column of every row, in tables as wide as their heads.
     for name, text in parts.items():
