@@ -433,11 +433,11 @@ impl App {
         }
         self.point(ui, &response, rect, &state);
         panel::legends(self, ui, rect);
-        if let Some((when, words)) = &self.said {
-            if when.elapsed() < SAID {
-                panel::caption(ui, rect, words);
-                ui.ctx().request_repaint_after(SAID);
-            }
+        if let Some((when, words)) = &self.said
+            && when.elapsed() < SAID
+        {
+            panel::caption(ui, rect, words);
+            ui.ctx().request_repaint_after(SAID);
         }
     }
 }

@@ -126,9 +126,9 @@ fn length_errors(frame: &Frame, rest: &[f64]) -> Vec<f32> {
     let mut errors = vec![0.0; hair.positions.len()];
     for (strand, ends) in hair.offsets.windows(2).enumerate() {
         let (first, last) = (ends[0] as usize, ends[1] as usize);
-        for point in first + 1..last {
+        for (point, segment) in (first + 1..last).zip(hair.positions[first..last].windows(2)) {
             let Some(rest) = rest.get(point - 1 - strand) else { continue };
-            let [a, b] = [hair.positions[point - 1], hair.positions[point]];
+            let [a, b] = [segment[0], segment[1]];
             let now = (0..3).map(|axis| (f64::from(b[axis]) - f64::from(a[axis])).powi(2)).sum::<f64>().sqrt();
             errors[point] = (now / rest - 1.0).abs() as f32;
         }

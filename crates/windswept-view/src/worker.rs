@@ -100,6 +100,9 @@ pub(crate) struct Now {
     pub(crate) said: (u64, Arc<str>),
 }
 
+/// A frame, a value per hair point by the colour that is wanted, and those by the other colours.
+type Read = (Frame, Vec<f32>, Vec<Vec<f32>>);
+
 /// The thread, and the ways to it.
 pub(crate) struct Worker {
     ask: mpsc::Sender<Ask>,
@@ -430,7 +433,7 @@ impl Work {
     }
 
     /// Reads what the window wants.
-    fn read(&mut self) -> Result<(Frame, Vec<f32>, Vec<Vec<f32>>), windswept::RunError> {
+    fn read(&mut self) -> Result<Read, windswept::RunError> {
         let want = self.want;
         let simulation = &mut self.simulation;
         if !(want.frame || want.picture || want.vorticity || want.pointed || want.hair != HairColour::Hair) {
