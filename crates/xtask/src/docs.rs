@@ -70,7 +70,7 @@ fn provide_mdbook() -> Result<PathBuf> {
     if !system::succeeds(&mdbook.to_string_lossy(), &["--version"]) {
         say("Building mdBook into target/tools");
         let mut install = cargo();
-        install.args(["install", "mdbook", "--version", MDBOOK, "--locked", "--no-default-features"]);
+        install.args(["install", "mdbook", "--version", MDBOOK, "--locked", "--debug", "--no-default-features"]);
         run(install.args(["--features", "search", "--root"]).arg(&tools))?;
     }
     Ok(mdbook)
