@@ -48,7 +48,12 @@ class Background:
     def execute(self, context):
         if not self.begin(context):
             return {"CANCELLED"}
-        process.running.wait()
+        try:
+            process.running.wait()
+        finally:
+            # Ctrl-C ends the wait, and the job with it.
+            if process.running.goes_on():
+                process.stop()
         return self.end(context)
 
     def invoke(self, context, event):
@@ -59,7 +64,7 @@ class Background:
         return {"RUNNING_MODAL"}
 
     def modal(self, context, event):
-        if process.running is None or event.type == "ESC":
+        if process.running is None or (event.type == "ESC" and event.value == "PRESS"):
             self.cancel(context)
             self.say(context, "Cancelled")
             return {"CANCELLED"}

@@ -124,7 +124,7 @@ fn strands_that_are_too_short_are_said() {
         InitialState::new(&scene)
     };
     let error = of(0.17).unwrap_err().to_string();
-    let words = "hair.pin: no strand is long enough: the longest has 0.17 m, and the pin takes 0.176";
+    let words = "hair.pin.0: no strand is long enough: the longest has 0.17 m, and the way to the pin is 0.176";
     assert!(error.starts_with(words), "{error}");
     let warnings = of(0.18).unwrap().warnings;
     let said = |text: &str| text.contains("of 200 strands are too short to be held: they lack up to 0.0042 m");

@@ -355,6 +355,25 @@ fn a_change_is_an_update_at_its_time() {
     }
 }
 
+/// Elements that come and go in an array, of a table or of the scene, are in the record as the whole array.
+#[test]
+fn arrays_that_grow_are_recorded() {
+    let gust = |time: f64| Gust { time, velocity: [1.0, 0.0, 0.0] };
+    let camera = Camera { fov: 20.0, ..Camera::default() };
+    let mut simulation = Simulation::new(&support::gpu(), &scene()).unwrap();
+    let mut other = scene();
+    for n in [1, 3, 0] {
+        other.air.as_mut().unwrap().gust = [0.1, 0.2, 0.3][..n].iter().map(|time| gust(*time)).collect();
+        other.cameras = vec![camera.clone(); n.min(1)];
+        simulation.update(&other).unwrap();
+        simulation.step(1).unwrap();
+        let recorded = Scene::parse(&simulation.recorded().to_toml()).unwrap();
+        recorded.check().unwrap();
+        let last = recorded.changes.iter().fold(scene(), |scene, change| scene.with(&change.set).unwrap());
+        assert!(last.air.unwrap().gust.len() == n && last.cameras.len() == n.min(1), "{:?}", recorded.changes);
+    }
+}
+
 /// Numbers that take a time go evenly, as of the end of each step, and others at once; a file keeps the way.
 #[test]
 fn a_change_takes_its_time() {

@@ -147,7 +147,7 @@ class Pressed(operators.Background):
         reports.append(words)
 
 timers, reports = [], []
-timer, esc, mouse = (SimpleNamespace(type=kind) for kind in ("TIMER", "ESC", "MOUSEMOVE"))
+timer, esc, mouse = (SimpleNamespace(type=kind, value="PRESS") for kind in ("TIMER", "ESC", "MOUSEMOVE"))
 """
 
 UNIT = 0.1  # m, of the Blender scene

@@ -57,7 +57,7 @@ fn summary(curves: &Curves) -> Vec<(&'static str, String)> {
     }
     let unit = if curves.unit.is_some() { "m" } else { "units" };
     let scale = curves.unit.unwrap_or(1.0);
-    if let Some(corners) = curves.bounds() {
+    if let Some(corners) = curves.clone().without_padding().0.bounds() {
         rows.push(("box", shown_box(corners.map(|corner| corner.map(|x| scale * x)), unit)));
     }
     if let [thinnest, thickest] = range(&mut curves.radius.iter().copied())

@@ -117,11 +117,11 @@ fn assign(table: &mut dyn TableLike, path: &[&str], value: Value) -> Option<()> 
 /// Advice on the key `rest` of one of several tables.
 fn several(document: &DocumentMut, table: &str, rest: &str) -> Option<String> {
     let array = document.get(table)?.as_array_of_tables().filter(|array| array.len() > 1)?;
-    let names: Vec<&str> = array.iter().filter_map(|each| each.get("name")?.as_str()).collect();
-    let example = names.first().map_or_else(|| "0".to_owned(), |name| document::short(name));
-    Some(format!(
-        "there are several [[{table}]], one of which is meant by its name or number: {table}.{example}.{rest}"
-    ))
+    let name = |(i, each): (usize, &toml_edit::Table)| {
+        each.get("name").and_then(Item::as_str).map_or_else(|| i.to_string(), document::short)
+    };
+    let each: Vec<String> = array.iter().enumerate().map(|one| format!("{table}.{}.{rest}", name(one))).collect();
+    Some(format!("there are several [[{table}]]: {}", each.join(" or ")))
 }
 
 /// Whether `table`, of the key `key`, has this name; hair or a body without one has the default.

@@ -154,15 +154,39 @@ impl Scene {
     #[must_use]
     pub fn change_to(&self, other: &Self, time: f64) -> Change {
         let [own, next] = [self, other].map(|scene| Self { changes: Vec::new(), ..scene.clone() });
-        let entries = Document::parse(&next.to_toml(), None, &Faults::default()).unwrap_or_default().entries;
+        let entries_of =
+            |scene: &Self| Document::parse(&scene.to_toml(), None, &Faults::default()).unwrap_or_default().entries;
+        let (before, entries) = (entries_of(&own), entries_of(&next));
+        // An element that one of the scenes lacks takes its whole array along: a change leads to keys that are there.
+        let array_of = |path: &'_ str| {
+            let lacks = |element: &str| {
+                let within = format!("{element}.");
+                [&before, &entries].iter().any(|all| !all.keys().any(|key| key.starts_with(&within)))
+            };
+            let numbers = path.split('.').scan(0, |end, name| {
+                let begin = *end;
+                *end += name.len() + 1;
+                Some((begin, begin + name.len(), name.parse::<usize>().is_ok()))
+            });
+            numbers
+                .filter(|(.., is_index)| *is_index)
+                .find(|(_, end, _)| lacks(&path[..*end]))
+                .map(|(begin, ..)| begin - 1)
+        };
         let document: toml_edit::DocumentMut = next.to_toml().parse().unwrap_or_default();
         let mut set: Vec<(String, String)> = Vec::new();
         let changed = own.changed(&next);
         for path in &changed {
             let table = path.split('.').next().unwrap_or_default();
             // A key that the other scene leaves out takes its whole table along.
-            let goes = |path: &String| path.split('.').next() == Some(table) && !entries.contains_key(path);
-            let key = if changed.iter().any(goes) { table } else { path };
+            let goes = |path: &String| {
+                path.split('.').next() == Some(table) && array_of(path).is_none() && !entries.contains_key(path)
+            };
+            let key = match array_of(path) {
+                _ if changed.iter().any(goes) => table,
+                Some(end) => &path[..end],
+                None => path,
+            };
             if set.iter().any(|(known, _)| known == key) {
                 continue;
             }

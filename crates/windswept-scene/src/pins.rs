@@ -92,7 +92,7 @@ pub(crate) fn pinned(
 ) -> Result<Vec<Pinned>, SceneError> {
     let mut all = Vec::new();
     for (group, own) in scene.hair.iter().enumerate() {
-        for pin in &own.pins {
+        for (index, pin) in own.pins.iter().enumerate() {
             let strands: Vec<usize> = (0..hair.len()).filter(|&s| hair.group[s] as usize == group).collect();
             let holder = Holder::new(scene, own, pin, hair, &strands);
             let mut warn =
@@ -118,9 +118,10 @@ pub(crate) fn pinned(
             if short > 0 && short == of {
                 let (longest, least) = (rounded(longest), rounded(least));
                 let text = format!(
-                    "no strand is long enough: the longest has {longest} m, and the pin takes {least} m at least"
+                    "no strand is long enough: the longest has {longest} m, and the way to the pin is {least} m at least; \
+                     lengths and places are in metres"
                 );
-                return Err(SceneError::new(text).at(format!("{}.pin", scene.called(group)), None));
+                return Err(SceneError::new(text).at(format!("{}.pin.{index}", scene.called(group)), None));
             }
             if short > 0 {
                 warn(format!("{short} of {of} strands are too short to be held: they lack up to {} m", rounded(lacks)));

@@ -170,7 +170,7 @@ pub(crate) fn of_wind(scene: &SceneValues, air: &CheckedAir) -> Option<Warning> 
         format!("more substeps than there may be, {MAX_REPEATS}, would do")
     };
     let text = format!(
-        "air moves {:.2} particle spacings in a step, where its pressure keeps up with at most {most}: {what}",
+        "air moves {:.2} particle spacings in a substep, where its pressure keeps up with at most {most}: {what}",
         way / f64::from(scene.time.substeps)
     );
     Some(Warning::new("fast_wind", "air.wind", text))

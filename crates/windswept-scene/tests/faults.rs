@@ -278,7 +278,10 @@ fn a_group_is_addressed_by_its_name() {
     let scene = set(&two, &["hair.b.radius=5e-5", "hair.0.radius=6e-5"]).unwrap();
     assert_eq!(scene.hair.iter().map(|hair| hair.fibre.radius).collect::<Vec<_>>(), [6e-5, 5e-5]);
     let shown = set(&two, &["hair.radius=5e-5"]).unwrap_err().to_string();
-    assert!(shown.contains("leads nowhere") && shown.contains("by its name or number: hair.a.radius"), "{shown}");
+    assert!(
+        shown.contains("leads nowhere") && shown.contains("there are several [[hair]]: hair.a.radius or hair.b.radius"),
+        "{shown}"
+    );
     for (text, assignment) in
         [(&one, "hair.fringe.friction=-1"), (&two, "hair.b.friction=-1"), (&two, "hair.b.frition=1")]
     {

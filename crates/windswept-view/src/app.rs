@@ -24,7 +24,7 @@ use pointer::Drag;
 /// Hairs of the film look at first, on a software adapter and on others: their followers are made on the CPU.
 const HAIRS: [u32; 2] = [600, 5000];
 /// Time that a message stays in the picture.
-const SAID: Duration = Duration::from_secs(6);
+pub(crate) const SAID: Duration = Duration::from_secs(6);
 /// Time in which what was asked for is done, and sliders do not follow the scene.
 pub(crate) const ASKED: Duration = Duration::from_millis(600);
 

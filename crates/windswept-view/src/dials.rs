@@ -125,6 +125,9 @@ fn stiffer(stiffness: Stiffness, times: f64) -> Stiffness {
     }
 }
 
+/// Parts of a m/s that a wind is rounded to.
+const FINEST: f64 = 1e9;
+
 /// The mean wind as sliders have it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Wind {
@@ -148,7 +151,9 @@ impl Wind {
     /// The wind as a vector \[m/s\].
     pub(crate) fn velocity(&self) -> DVec3 {
         let (azimuth, elevation) = (self.azimuth.to_radians(), self.elevation.to_radians());
-        self.speed * DVec3::new(azimuth.cos() * elevation.cos(), elevation.sin(), azimuth.sin() * elevation.cos())
+        let toward = DVec3::new(azimuth.cos() * elevation.cos(), elevation.sin(), azimuth.sin() * elevation.cos());
+        // Along an axis the others are zero, and no rest of rounding.
+        (self.speed * toward * FINEST).round() / FINEST
     }
 
     /// Sets it as the mean wind of a scene with air.

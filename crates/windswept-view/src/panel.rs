@@ -5,7 +5,7 @@ use eframe::egui::{
 };
 use windswept_export::Format;
 
-use crate::app::{App, Source};
+use crate::app::{App, SAID, Source};
 use crate::dials::{DIALS, Group, Wind};
 use crate::fields::{AirColour, AirLook, HairColour, RAMP};
 use crate::picture::Look;
@@ -86,7 +86,7 @@ fn run(app: &mut App, ui: &mut Ui) {
         let pace = app.pace;
         match &mut app.source {
             Source::Live(worker, _) => worker.ask(Ask::Pace(pace)),
-            Source::Film(playback) => playback.pace = pace,
+            Source::Film(playback) => playback.set_pace(pace),
         }
     }
 }
@@ -282,7 +282,7 @@ pub(crate) fn time_bar(app: &mut App, ui: &mut Ui) {
 pub(crate) fn legends(app: &App, ui: &Ui, rect: Rect) {
     let painter = ui.painter().with_clip_rect(rect);
     let font = FontId::proportional(12.0);
-    if app.said.is_none() {
+    if app.said.as_ref().is_none_or(|(when, _)| when.elapsed() >= SAID) {
         let at = pos2(rect.left() + 10.0, rect.bottom() - 8.0);
         painter.text(at, Align2::LEFT_BOTTOM, "F1: keys", font.clone(), Color32::from_gray(70));
     }

@@ -23,7 +23,7 @@ pub(crate) struct Playback {
     /// Wall time and film time from which it plays; `None` while it pauses.
     playing: Option<(Instant, f64)>,
     /// So many times as fast as time passes.
-    pub(crate) pace: f64,
+    pace: f64,
 }
 
 impl Playback {
@@ -89,6 +89,12 @@ impl Playback {
 
     pub(crate) fn frame(&self) -> &Arc<Frame> {
         &self.shown
+    }
+
+    /// Plays so many times as fast as time passes, from the frame that is shown on.
+    pub(crate) fn set_pace(&mut self, pace: f64) {
+        self.pace = pace;
+        self.playing = self.playing.map(|_| (Instant::now(), self.shown.time));
     }
 
     pub(crate) fn is_playing(&self) -> bool {

@@ -69,8 +69,9 @@ impl Film {
 
     /// Ends the files, and writes the scene with all that was changed meanwhile. Returns what there is to say.
     pub(crate) fn finish(self, simulation: &Simulation) -> Result<String, Refusal> {
-        self.write_scene(simulation)?;
+        let scene = self.write_scene(simulation);
         let losses = self.recording.finish().map_err(|error| error.to_string())?;
+        scene?;
         match losses.into_iter().next() {
             Some(loss) => Err(loss.error.to_string()),
             None => Ok(format!("{}: {} frames", self.folder.display(), self.written)),

@@ -256,7 +256,10 @@ impl Work {
                 (self.playing, self.once) = (play, false);
                 self.began = (Instant::now(), self.simulation.time());
             }
-            Ask::Step => (self.playing, self.once) = (true, true),
+            Ask::Step => {
+                (self.playing, self.once) = (true, true);
+                self.began = (Instant::now(), self.simulation.time());
+            }
             Ask::Restart => self.restart(),
             Ask::Gust(velocity) => {
                 let mut scene = self.simulation.scene().scene().clone();
@@ -271,6 +274,7 @@ impl Work {
                 self.began = (Instant::now(), self.simulation.time());
             }
             Ask::Want(want) => self.want = want,
+            Ask::Record(..) if self.film.is_some() => {}
             Ask::Record(out, formats, camera) => match Film::begin(&mut self.simulation, &out, &formats, camera) {
                 Ok(film) => self.film = Some(film),
                 Err(refusal) => self.say(refusal),
@@ -289,7 +293,8 @@ impl Work {
         }
         let (dials, wind) = (std::mem::take(dials), wind.take());
         let mut scene = self.simulation.scene().scene().clone();
-        for scene in [&mut scene, &mut self.dialled] {
+        let mut dialled = self.dialled.clone();
+        for scene in [&mut scene, &mut dialled] {
             for (&dial, &value) in &dials {
                 (DIALS[dial].set)(scene, &self.opened, value);
             }
@@ -297,14 +302,16 @@ impl Work {
                 Wind::set(velocity, scene);
             }
         }
-        self.update(&scene);
+        if self.update(&scene) {
+            self.dialled = dialled;
+        }
     }
 
-    fn update(&mut self, scene: &Scene) {
-        if let Err(error) = self.simulation.update(scene) {
-            self.say(error.to_string());
-        }
+    /// Gives the simulation this scene; says why not, and returns false, where it refuses.
+    fn update(&mut self, scene: &Scene) -> bool {
+        let updated = self.simulation.update(scene);
         self.warned = None;
+        updated.map_err(|error| self.say(error.to_string())).is_ok()
     }
 
     fn restart(&mut self) {
@@ -328,7 +335,7 @@ impl Work {
         while self.playing && began.elapsed() < BATCH {
             let stepped = toward(&mut self.simulation, &mut self.drags).and_then(|()| self.simulation.step(1));
             if let Err(error) = stepped {
-                self.playing = false;
+                (self.playing, self.warned) = (false, None);
                 self.say(format!("{error}; Start over begins anew"));
                 break;
             }

@@ -405,7 +405,7 @@ impl GroomFile {
         let curves = Curves::load(&self.file, self.points_per_strand)?;
         let fault = |words: String| SceneError::new(words).of(&self.file, "");
         let Some(scale) = self.scale.or(curves.unit) else {
-            let fault = fault(no_unit(curves.bounds())).at("scale", None);
+            let fault = fault(no_unit(curves.without_padding().0.bounds())).at("scale", None);
             return Err(fault.with_help("give scale, the metres per unit"));
         };
         Ok((curves.in_metres(scale, self.up), scale))
