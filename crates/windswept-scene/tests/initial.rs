@@ -173,23 +173,23 @@ fn a_user_is_warned() {
     for (sets, words) in [
         (
             &["time.step=2e-3"][..],
-            "air moves 1.24 particle spacings in a step, where its pressure keeps up with at most 0.45: take time.substeps = 3",
+            "air moves 1.24 particle spacings in a substep, where its pressure keeps up with at most 0.45: take time.substeps = 3",
         ),
         (
             &["time.step=2e-3", "interaction.model=two-way"],
-            "air moves 1.24 particle spacings in a step, where its pressure keeps up with at most 0.9: take time.substeps = 2",
+            "air moves 1.24 particle spacings in a substep, where its pressure keeps up with at most 0.9: take time.substeps = 2",
         ),
         (
             &["interaction.model=two-way", "time.step=1.38e-3", "turbulence={bands=[{scale=0.006,intensity=0.31}]}"],
-            "air moves 0.86 particle spacings in a step, where its pressure keeps up with at most 0.45: take time.substeps = 2",
+            "air moves 0.86 particle spacings in a substep, where its pressure keeps up with at most 0.45: take time.substeps = 2",
         ),
         (
             &["time.step=2e-3", "interaction.model=two-way", "fluid.coarse=false"],
-            "air moves 1.24 particle spacings in a step, where its pressure keeps up with at most 0.45: take time.substeps = 3",
+            "air moves 1.24 particle spacings in a substep, where its pressure keeps up with at most 0.45: take time.substeps = 3",
         ),
         (
             &["time.step=1e-2", "time.substeps=4"],
-            "air moves 1.55 particle spacings in a step, where its pressure keeps up with at most 0.45: take time.substeps = 14",
+            "air moves 1.55 particle spacings in a substep, where its pressure keeps up with at most 0.45: take time.substeps = 14",
         ),
         (
             &[
@@ -211,7 +211,7 @@ fn a_user_is_warned() {
         ),
         (
             &["time.step=2e-3", "fluid.solver=pbf"],
-            "air moves 1.24 particle spacings in a step, where its pressure keeps up with at most 1: take time.substeps = 2",
+            "air moves 1.24 particle spacings in a substep, where its pressure keeps up with at most 1: take time.substeps = 2",
         ),
         (
             &["time.step=2e-3", "time.substeps=3", "turbulence={bands=[{scale=0.006,intensity=5}]}"],
