@@ -127,7 +127,7 @@ fn strands_that_are_too_short_are_said() {
     let words = "hair.pin.0: no strand is long enough: the longest has 0.17 m, and the way to the pin is 0.176";
     assert!(error.starts_with(words), "{error}");
     let warnings = of(0.18).unwrap().warnings;
-    let said = |text: &str| text.contains("of 200 strands are too short to be held: they lack up to 0.0042 m");
+    let said = |text: &str| text.contains("of 200 strands are too short to be held: they lack up to 0.00439");
     assert!(warnings.iter().any(|warning| said(&warning.text)), "{warnings:?}");
     assert!(of(0.19).unwrap().warnings.iter().all(|warning| warning.code != "pin"));
 }
