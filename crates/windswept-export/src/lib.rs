@@ -43,7 +43,7 @@ pub use picture::{check_sheet, contact_sheet, write_png};
 pub use pictures::Pictures;
 pub use preview::Preview;
 pub use provenance::Provenance;
-pub use render::{Renderer, Solids, View};
+pub use render::{Renderer, Solids, View, read_texture};
 pub use run::{Loss, Pace, Recording, Run, Schedule, Stop, frame};
 pub use sink::{FrameSink, Start};
 pub use usd::UsdWriter;

@@ -13,6 +13,7 @@ mod groom;
 mod maker;
 mod passes;
 mod patch;
+mod readback;
 mod solids;
 mod target;
 mod view;
@@ -27,6 +28,7 @@ use windswept_shaders::pictures::common::FINE;
 use crate::error::ExportError;
 use groom::Groom;
 use passes::Passes;
+pub use readback::read_texture;
 pub use solids::Solids;
 use target::Target;
 pub use view::View;
@@ -164,8 +166,8 @@ impl Renderer {
     /// [`ExportError::Picture`] if the frame is not of this renderer's strands, has a point that is not finite, or
     /// lacks what `picture.air` colours by; [`ExportError::Gpu`] if the driver refuses or the device is lost.
     pub fn render(&self, frame: &Frame) -> Result<RgbaImage, ExportError> {
-        self.draw(frame, |encoder| self.target.copy(encoder))?;
-        self.target.read(&self.gpu)
+        self.show(frame)?;
+        read_texture(&self.gpu, self.target.picture())
     }
 
     /// Draws the frame to [`Self::shown`], and does not wait for it.
@@ -173,17 +175,6 @@ impl Renderer {
     /// # Errors
     /// As [`Self::render`].
     pub fn show(&self, frame: &Frame) -> Result<(), ExportError> {
-        self.draw(frame, |_| {})
-    }
-
-    /// The texture that [`Self::show`] draws to, as `Rgba8Unorm`. A picture of another size has another one.
-    #[must_use]
-    pub fn shown(&self) -> wgpu::TextureView {
-        self.target.shown()
-    }
-
-    /// Draws the frame, and encodes what is done with it.
-    fn draw(&self, frame: &Frame, then: impl FnOnce(&mut wgpu::CommandEncoder)) -> Result<(), ExportError> {
         let air = self.accept(frame)?;
         let points = frame.hair.positions.iter().map(|p| Vec3::from_array(*p));
         let (low, high) = points.fold((Vec3::MAX, Vec3::MIN), |(low, high), x| (low.min(x), high.max(x)));
@@ -203,11 +194,16 @@ impl Renderer {
                     .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("picture") });
                 self.passes.prepare(&mut encoder);
                 self.target.draw(&mut encoder, |pass| self.passes.draw(pass, air.as_ref()));
-                then(&mut encoder);
                 self.gpu.queue().submit([encoder.finish()]);
             },
         )?;
         Ok(())
+    }
+
+    /// The texture that [`Self::show`] draws to, as `Rgba8Unorm`. A picture of another size has another one.
+    #[must_use]
+    pub fn shown(&self) -> wgpu::TextureView {
+        self.target.shown()
     }
 
     /// Position and brightness of each air particle that is drawn, if the frame can be.

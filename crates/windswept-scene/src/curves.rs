@@ -6,6 +6,7 @@ mod farthest;
 mod fit;
 mod npy;
 pub(crate) mod npz;
+mod padding;
 mod ply;
 mod usc;
 

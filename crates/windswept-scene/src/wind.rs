@@ -114,8 +114,10 @@ impl CheckedAir {
         [0, 1, 2].map(|axis| self.wind[axis] * self.risen(time) + gust[axis])
     }
 
-    /// Velocity that gusts add at `time`: linear between keyframes, held before the first and after the last.
-    pub(crate) fn gust_at(&self, time: f64) -> [f64; 3] {
+    /// Velocity that gusts add at `time`: linear between keyframes, held before the first and after the last
+    /// \[m/s\].
+    #[must_use]
+    pub fn gust_at(&self, time: f64) -> [f64; 3] {
         let (before, part) = phase(&self.gust, |gust| gust.time, time);
         match self.gust.get(before..) {
             Some([a, b, ..]) => [0, 1, 2].map(|axis| a.velocity[axis] + part * (b.velocity[axis] - a.velocity[axis])),

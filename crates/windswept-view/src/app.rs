@@ -246,7 +246,7 @@ impl App {
         let view = self.orbit.view(self.size());
         let scene = &now.scene.cameras[0];
         let look_at = Some(LookAt { eye: view.eye.to_array(), target: view.target.to_array() });
-        // Of the scene's height, as wide as the window has it; encoders of films want even sides.
+        // The film has the scene's height and the window's shape; encoders of films want even sides.
         let width = 2 * (scene.height * view.width / view.height / 2).max(8);
         let camera = Camera { look_at, fov: view.fov, width, ..scene.clone() };
         self.ask(Ask::Record(PathBuf::from(&self.out), formats, camera));
@@ -296,7 +296,9 @@ impl App {
         match &mut self.source {
             Source::Live(worker, now) => {
                 **now = worker.now();
-                if now.said.0 != self.heard {
+                if worker.has_ended() {
+                    heard = Some("the simulation ended by a fault of windswept's own: close the window".to_owned());
+                } else if now.said.0 != self.heard {
                     (self.heard, heard) = (now.said.0, Some(now.said.1.to_string()));
                 }
             }

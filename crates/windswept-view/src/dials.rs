@@ -4,7 +4,7 @@ use std::ops::RangeInclusive;
 
 use glam::DVec3;
 use windswept::{CheckedScene, Gust, Scene};
-use windswept_scene::{Hair, Stiffness};
+use windswept_scene::{CheckedAir, Hair, Stiffness};
 
 /// A slider.
 pub(crate) struct Dial {
@@ -111,7 +111,7 @@ fn bend(hair: &Hair) -> f64 {
     }
 }
 
-/// So many times as stiff to bend and twist; moduli take the stiffness to stretch along.
+/// The stiffness to bend and twist times a factor; of moduli the stiffness to stretch changes too.
 fn stiffer(stiffness: Stiffness, times: f64) -> Stiffness {
     match stiffness {
         Stiffness::Moduli(mut moduli) => {
@@ -176,26 +176,18 @@ impl From<DVec3> for Wind {
 /// A gust that begins at once: time from its begin \[s\] and part of its velocity.
 const PULSE: [(f64, f64); 4] = [(0.0, 0.0), (0.05, 1.0), (0.15, 1.0), (0.35, 0.0)];
 
-/// Adds a gust of this velocity \[m/s\] to those of a scene with air, from `now` \[s\] on.
-pub(crate) fn blow(scene: &mut Scene, now: f64, velocity: DVec3) {
-    let Some(air) = &mut scene.air else { return };
-    let own: Vec<(f64, DVec3)> = air.gust.iter().map(|gust| (gust.time, DVec3::from_array(gust.velocity))).collect();
-    let pulse: Vec<(f64, DVec3)> = PULSE.iter().map(|(time, part)| (now + time, *part * velocity)).collect();
-    let mut times: Vec<f64> = own.iter().chain(&pulse).map(|(time, _)| *time).filter(|time| *time >= now).collect();
+/// The scene with a gust of this velocity \[m/s\] beside its own, from `now` \[s\] on; `None` where it has no air.
+pub(crate) fn with_gust(scene: &CheckedScene, now: f64, velocity: DVec3) -> Option<Scene> {
+    let own = scene.air.as_ref()?;
+    let gust = PULSE.map(|(time, part)| Gust { time: now + time, velocity: (part * velocity).to_array() }).to_vec();
+    let mut times: Vec<f64> = own.gust.iter().chain(&gust).map(|gust| gust.time).filter(|time| *time >= now).collect();
     times.sort_by(f64::total_cmp);
     times.dedup();
-    let at = |time| (between(&own, time) + between(&pulse, time)).to_array();
-    air.gust = times.into_iter().map(|time| Gust { time, velocity: at(time) }).collect();
-}
-
-/// The value at a time: linear between rows, held before the first and after the last; zero where there is none.
-fn between(rows: &[(f64, DVec3)], time: f64) -> DVec3 {
-    let next = rows.partition_point(|(own, _)| *own <= time);
-    match (next.checked_sub(1).map(|before| rows[before]), rows.get(next)) {
-        (Some((a, from)), Some(&(b, to))) => from.lerp(to, (time - a) / (b - a)),
-        (Some((_, only)), None) | (None, Some(&(_, only))) => only,
-        (None, None) => DVec3::ZERO,
-    }
+    let pulse = CheckedAir { gust, ..own.clone() };
+    let at = |time| (DVec3::from_array(own.gust_at(time)) + DVec3::from_array(pulse.gust_at(time))).to_array();
+    let mut scene = scene.scene().clone();
+    scene.air.as_mut()?.gust = times.into_iter().map(|time| Gust { time, velocity: at(time) }).collect();
+    Some(scene)
 }
 
 #[cfg(test)]
@@ -263,15 +255,13 @@ mod tests {
         let mut scene = quick();
         scene.air.as_mut().unwrap().gust =
             vec![Gust { time: 0.0, velocity: [0.0; 3] }, Gust { time: 1.0, velocity: [0.0, 1.0, 0.0] }];
-        let gust_at = |scene: &Scene, time: f64| {
-            let air = scene.check().unwrap().air.clone().unwrap();
-            DVec3::from_array(air.wind_at(time)) - DVec3::from_array(air.wind)
-        };
+        let gust_at =
+            |scene: &Scene, time: f64| DVec3::from_array(scene.check().unwrap().air.as_ref().unwrap().gust_at(time));
         let own = gust_at(&scene, 0.6);
-        blow(&mut scene, 0.5, velocity);
+        scene = with_gust(&scene.check().unwrap(), 0.5, velocity).unwrap();
         assert!(gust_at(&scene, 0.6).distance(own + velocity) < 1e-12, "{}", gust_at(&scene, 0.6));
         assert!(gust_at(&scene, 0.9).distance(DVec3::new(0.0, 0.9, 0.0)) < 1e-12, "{}", gust_at(&scene, 0.9));
-        blow(&mut scene, 0.5, velocity);
+        scene = with_gust(&scene.check().unwrap(), 0.5, velocity).unwrap();
         assert!(gust_at(&scene, 0.6).distance(own + 2.0 * velocity) < 1e-12);
     }
 }

@@ -1,5 +1,6 @@
 //! Values that hair and air are coloured by.
 
+use glam::{DVec3, Vec3};
 use windswept::{Frame, HairLoads};
 
 /// Colours from the lowest value to the highest, sRGB: dark enough at one end and saturated enough at the other to stand out
@@ -122,33 +123,29 @@ impl AirLook {
 /// Change of length of the segment that ends at each point, over its rest length; that of a strand's first segment at its
 /// root too. `rest`: lengths of all segments \[m\].
 fn length_errors(frame: &Frame, rest: &[f64]) -> Vec<f32> {
-    let hair = &frame.hair;
-    let mut errors = vec![0.0; hair.positions.len()];
-    for (strand, ends) in hair.offsets.windows(2).enumerate() {
+    let now = segment_lengths(frame);
+    let error = |segment: usize| Some((now.get(segment)? / rest.get(segment)? - 1.0).abs() as f32);
+    let of_strand = |(strand, ends): (usize, &[u32])| {
         let (first, last) = (ends[0] as usize, ends[1] as usize);
-        for (point, segment) in (first + 1..last).zip(hair.positions[first..last].windows(2)) {
-            let Some(rest) = rest.get(point - 1 - strand) else { continue };
-            let [a, b] = [segment[0], segment[1]];
-            let now = (0..3).map(|axis| (f64::from(b[axis]) - f64::from(a[axis])).powi(2)).sum::<f64>().sqrt();
-            errors[point] = (now / rest - 1.0).abs() as f32;
-        }
-        if last > first + 1 {
-            errors[first] = errors[first + 1];
-        }
-    }
-    errors
+        // Each strand before has a segment less than it has points.
+        (first..last).map(move |point| error(point.max(first + 1) - 1 - strand).unwrap_or_default()).collect::<Vec<_>>()
+    };
+    frame.hair.offsets.windows(2).enumerate().flat_map(of_strand).collect()
 }
 
 /// Lengths of all segments in a frame \[m\].
 pub(crate) fn segment_lengths(frame: &Frame) -> Vec<f64> {
     let hair = &frame.hair;
     let of_strand = |ends: &[u32]| hair.positions[ends[0] as usize..ends[1] as usize].windows(2);
-    let between = |w: &[[f32; 3]]| (0..3).map(|axis| f64::from(w[1][axis] - w[0][axis]).powi(2)).sum::<f64>().sqrt();
+    let between = |ends: &[[f32; 3]]| {
+        let [a, b] = [ends[0], ends[1]].map(|x| DVec3::from_array(x.map(f64::from)));
+        a.distance(b)
+    };
     hair.offsets.windows(2).flat_map(of_strand).map(between).collect()
 }
 
 pub(crate) fn length(v: [f32; 3]) -> f32 {
-    v.iter().map(|x| x * x).sum::<f32>().sqrt()
+    Vec3::from_array(v).length()
 }
 
 /// The value of the last colour; the first colour's is 0. It rises at once and falls slowly, so that no picture flickers.

@@ -1,14 +1,12 @@
 //! Strands as lines straight from the engine's buffers, with air and solids: nothing is read back, and no step waits for it.
 
-use std::sync::mpsc;
-
 use bytemuck::{Pod, Zeroable};
 use eframe::egui::Rgba;
 use glam::DVec3;
 use windswept::gpu::wgpu::{self, util::DeviceExt as _};
 use windswept::{Frame, Gpu, GpuError, HairFrame};
 use windswept_export::image::RgbaImage;
-use windswept_export::{Solids, View};
+use windswept_export::{ExportError, Solids, View, read_texture};
 use windswept_scene::{CheckedScene, Pose};
 
 use crate::fields::RAMP;
@@ -308,46 +306,9 @@ impl Lines {
     /// Waits for the picture and reads it, opaque; none before the first.
     ///
     /// # Errors
-    /// [`GpuError`] if the driver refuses or the device is lost.
-    pub(crate) fn read(&self) -> Result<Option<RgbaImage>, GpuError> {
-        let Some(Target { size: [width, height], picture, .. }) = &self.target else { return Ok(None) };
-        let pitch = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
-        let device = self.gpu.device();
-        let (sender, receiver) = mpsc::channel();
-        let doing = || "reading a picture of lines".to_owned();
-        let buffer = self.gpu.checked(doing, || {
-            let buffer = device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some("picture of lines"),
-                size: u64::from(pitch) * u64::from(*height),
-                usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            });
-            let mut encoder = device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
-            encoder.copy_texture_to_buffer(
-                picture.as_image_copy(),
-                wgpu::TexelCopyBufferInfo {
-                    buffer: &buffer,
-                    layout: wgpu::TexelCopyBufferLayout {
-                        offset: 0,
-                        bytes_per_row: Some(pitch),
-                        rows_per_image: Some(*height),
-                    },
-                },
-                wgpu::Extent3d { width: *width, height: *height, depth_or_array_layers: 1 },
-            );
-            self.gpu.queue().submit([encoder.finish()]);
-            buffer.map_async(wgpu::MapMode::Read, .., move |result| {
-                // The receiver is gone only if this has returned early.
-                let _ = sender.send(result);
-            });
-            buffer
-        })?;
-        self.gpu.wait()?;
-        let lost = |reason: String| GpuError::Lost(format!("{}: {reason}", doing()));
-        receiver.recv().map_err(|error| lost(error.to_string()))?.map_err(|error| lost(error.to_string()))?;
-        let view = buffer.get_mapped_range(..).map_err(|error| lost(error.to_string()))?;
-        let rows = view.chunks(pitch as usize).flat_map(|row| &row[..4 * *width as usize]);
-        Ok(RgbaImage::from_raw(*width, *height, rows.copied().collect()))
+    /// As [`read_texture`].
+    pub(crate) fn read(&self) -> Result<Option<RgbaImage>, ExportError> {
+        self.target.as_ref().map(|target| read_texture(&self.gpu, &target.picture)).transpose()
     }
 }
 

@@ -18,7 +18,7 @@ pub(crate) struct Point {
     pub(crate) strand: usize,
     /// From 0 at the root.
     pub(crate) point: usize,
-    /// Its row among the points of all strands.
+    /// Index of the point among those of all strands.
     pub(crate) row: usize,
 }
 

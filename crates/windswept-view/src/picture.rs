@@ -220,7 +220,7 @@ impl Picture {
             (Some((.., looks, _)), Some((_, renderer))) if looks.look == Look::Film => {
                 renderer.render(&state.frame).map(Some)
             }
-            (Some(_), _) => Ok(self.lines.read()?),
+            (Some(_), _) => self.lines.read(),
             (None, _) => Ok(None),
         }
     }

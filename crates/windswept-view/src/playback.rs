@@ -22,7 +22,7 @@ pub(crate) struct Playback {
     shown: Arc<Frame>,
     /// Wall time and film time from which it plays; `None` while it pauses.
     playing: Option<(Instant, f64)>,
-    /// So many times as fast as time passes.
+    /// Time that passes in the film over that on the clock.
     pace: f64,
 }
 

@@ -11,7 +11,7 @@ use windswept::gpu::wgpu;
 use windswept::{Camera, CheckedScene, Frame, Gpu, Pose, Scene, Simulation};
 use windswept_export::Format;
 
-use crate::dials::{DIALS, Wind, blow};
+use crate::dials::{DIALS, Wind, with_gust};
 use crate::drag::toward;
 use crate::fields::HairColour;
 use crate::record::{Film, Refusal, save_checkpoint, save_scene};
@@ -171,6 +171,11 @@ impl Worker {
         let _ = self.shown.send(serial);
     }
 
+    /// Whether the thread has ended, which it does by itself only by a fault of the program.
+    pub(crate) fn has_ended(&self) -> bool {
+        self.thread.as_ref().is_some_and(JoinHandle::is_finished)
+    }
+
     /// The scene as it was opened.
     pub(crate) fn opened(&self) -> &Scene {
         &self.opened
@@ -224,7 +229,7 @@ impl Work {
             if first.is_none() && !self.playing {
                 return;
             }
-            // Of the many values that a slider runs through the last one counts.
+            // A slider runs through many values, of which the last one counts.
             let (mut dials, mut wind) = (BTreeMap::new(), None);
             let asks: Vec<Ask> = first.into_iter().chain(asked.try_iter()).collect();
             for ask in asks {
@@ -262,9 +267,9 @@ impl Work {
             }
             Ask::Restart => self.restart(),
             Ask::Gust(velocity) => {
-                let mut scene = self.simulation.scene().scene().clone();
-                blow(&mut scene, self.simulation.time(), velocity);
-                self.update(&scene);
+                if let Some(scene) = with_gust(self.simulation.scene(), self.simulation.time(), velocity) {
+                    self.update(&scene);
+                }
             }
             Ask::Body(name, pose) => {
                 self.drags.insert(name, pose);

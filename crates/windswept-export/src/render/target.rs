@@ -1,14 +1,9 @@
-//! The picture that is drawn to, and its way back.
+//! The picture that is drawn to.
 
-use std::sync::mpsc;
-
-use image::RgbaImage;
-use windswept_engine::gpu::wgpu;
-use windswept_engine::{Gpu, GpuError};
+use windswept_engine::{Gpu, gpu::wgpu};
 use windswept_shaders::pictures::{AVERAGE, common::FINE};
 
 use super::maker::{Depth, Draw, Maker};
-use super::refused;
 use crate::error::ExportError;
 
 /// Linear to sRGB, and back for blending, is the texture's work.
@@ -20,23 +15,17 @@ pub(super) const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 /// Samples of a drawn pixel, as many as every adapter has.
 pub(super) const SAMPLES: u32 = 4;
 
-/// The drawn image, `FINE` times as wide and as high as the picture, the picture that averages it, and the memory that
-/// the picture is read from.
+/// The drawn image, `FINE` times as wide and as high as the picture, and the picture that averages it.
 #[derive(Debug)]
 pub(super) struct Target {
-    size: [u32; 2],
     drawn: wgpu::TextureView,
     depth: wgpu::TextureView,
     average: Draw,
     picture: wgpu::Texture,
-    readback: wgpu::Buffer,
-    /// Bytes from one row to the next in the readback.
-    pitch: u32,
 }
 
 impl Target {
     pub(super) fn new(gpu: &Gpu, width: u32, height: u32) -> Result<Self, ExportError> {
-        let pitch = (4 * width).next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
         let texture = |label, format, fine, sample_count, usage, view_formats: &[wgpu::TextureFormat]| {
             gpu.device().create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
@@ -59,22 +48,18 @@ impl Target {
                 let m = Maker(gpu.device());
                 let bound = [(0, wgpu::BindingResource::TextureView(&drawn))];
                 Self {
-                    size: [width, height],
                     average: m.draw(&m.module(&AVERAGE), "", &bound, None, Depth::Absent),
                     depth: texture("depth", DEPTH, FINE, SAMPLES, target, &[]).create_view(&Default::default()),
                     picture: texture("picture", COLOUR, 1, 1, target | read | copied, &[BYTES]),
                     drawn,
-                    readback: gpu.device().create_buffer(&wgpu::BufferDescriptor {
-                        label: Some("picture readback"),
-                        size: u64::from(pitch) * u64::from(height),
-                        usage: wgpu::BufferUsages::MAP_READ | wgpu::BufferUsages::COPY_DST,
-                        mapped_at_creation: false,
-                    }),
-                    pitch,
                 }
             },
         )?;
         Ok(target)
+    }
+
+    pub(super) fn picture(&self) -> &wgpu::Texture {
+        &self.picture
     }
 
     /// The picture in [`BYTES`].
@@ -105,48 +90,5 @@ impl Target {
         let mut pass = over(&picture, None);
         self.average.begin(&mut pass);
         pass.draw(0..3, 0..1);
-    }
-
-    /// Copies the picture to where it can be read.
-    pub(super) fn copy(&self, encoder: &mut wgpu::CommandEncoder) {
-        let [width, height] = self.size;
-        encoder.copy_texture_to_buffer(
-            self.picture.as_image_copy(),
-            wgpu::TexelCopyBufferInfo {
-                buffer: &self.readback,
-                layout: wgpu::TexelCopyBufferLayout {
-                    offset: 0,
-                    bytes_per_row: Some(self.pitch),
-                    rows_per_image: Some(height),
-                },
-            },
-            wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
-        );
-    }
-
-    /// Waits for the picture.
-    pub(super) fn read(&self, gpu: &Gpu) -> Result<RgbaImage, ExportError> {
-        let lost = |reason: String| GpuError::Lost(format!("reading a picture: {reason}"));
-        let (sender, receiver) = mpsc::channel();
-        self.readback.map_async(wgpu::MapMode::Read, .., move |result| {
-            // The receiver is gone only if we returned early.
-            let _ = sender.send(result);
-        });
-        gpu.wait()?;
-        let mapped = receiver.recv().map_err(|_| lost("it was never answered".into()))?;
-        mapped.map_err(|error| lost(error.to_string()))?;
-        let bytes = {
-            let view = self.readback.get_mapped_range(..).map_err(|error| lost(error.to_string()))?;
-            let row = 4 * self.size[0] as usize;
-            let mut bytes = Vec::with_capacity(row * self.size[1] as usize);
-            for padded in view.chunks(self.pitch as usize) {
-                bytes.extend_from_slice(&padded[..row]);
-            }
-            bytes
-        };
-        self.readback.unmap();
-        let [width, height] = self.size;
-        RgbaImage::from_raw(width, height, bytes)
-            .ok_or_else(|| refused(format!("the picture has not {width} x {height} pixels")))
     }
 }
