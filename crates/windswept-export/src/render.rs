@@ -200,10 +200,11 @@ impl Renderer {
         Ok(())
     }
 
-    /// The texture that [`Self::show`] draws to, as `Rgba8Unorm`. A picture of another size has another one.
+    /// The texture that [`Self::show`] draws to, `Rgba8UnormSrgb` with views as `Rgba8Unorm`. A picture of another size has
+    /// another one.
     #[must_use]
-    pub fn shown(&self) -> wgpu::TextureView {
-        self.target.shown()
+    pub fn shown(&self) -> &wgpu::Texture {
+        self.target.picture()
     }
 
     /// Position and brightness of each air particle that is drawn, if the frame can be.

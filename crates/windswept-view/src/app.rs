@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use eframe::egui::{self, Key, Modifiers, Sense, load::SizedTexture};
+use eframe::egui::{self, Key, Modifiers, Sense};
 use windswept::{Camera, CheckedScene, Gpu, LookAt, Simulation};
 use windswept_export::write_png;
 
@@ -420,16 +420,10 @@ impl App {
             self.framing = false;
             self.orbit.frame(&state.frame.hair.positions, size);
         }
-        let texture = match self.picture.draw(&state, self.orbit, self.looks, size) {
-            Ok(texture) => texture,
-            Err(error) => {
-                self.say(error.to_string());
-                None
-            }
-        };
-        if let Some(id) = texture {
-            egui::Image::new(SizedTexture::new(id, rect.size())).paint_at(ui, rect);
+        if let Err(error) = self.picture.draw(&state, self.orbit, self.looks, size) {
+            self.say(error.to_string());
         }
+        ui.painter().extend(self.picture.over(rect).map(egui::Shape::from));
         if let Source::Live(worker, now) = &self.source {
             worker.has_shown(now.serial);
         }
@@ -445,6 +439,10 @@ impl App {
 }
 
 impl eframe::App for App {
+    fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
+        visuals.panel_fill.to_normalized_gamma_f32()
+    }
+
     fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
         let ctx = ui.ctx().clone();
         let now = Instant::now();
@@ -453,7 +451,9 @@ impl eframe::App for App {
         self.hear(&ctx);
         self.keys(&ctx);
         if self.panel {
-            egui::Panel::left("panel").default_size(300.0).show(ui, |ui| panel::show(self, ui));
+            // The window is cleared in its colour.
+            let frame = egui::Frame::side_top_panel(ui.style()).fill(egui::Color32::TRANSPARENT);
+            egui::Panel::left("panel").frame(frame).default_size(300.0).show(ui, |ui| panel::show(self, ui));
         }
         if let Source::Film(_) = self.source {
             egui::Panel::bottom("time").show(ui, |ui| panel::time_bar(self, ui));

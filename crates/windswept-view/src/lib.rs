@@ -5,6 +5,7 @@
 //! exporter's renderer.
 
 mod app;
+mod blit;
 mod camera;
 mod device;
 mod dials;

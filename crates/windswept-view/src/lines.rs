@@ -12,7 +12,7 @@ use windswept_scene::{CheckedScene, Pose};
 use crate::fields::RAMP;
 
 const COLOUR: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8UnormSrgb;
-/// The same bytes, as egui takes them, which blends in sRGB.
+/// The same bytes, for surfaces that take sRGB.
 const BYTES: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 const DEPTH: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 /// Samples of a pixel, as many as every adapter has.
@@ -297,10 +297,9 @@ impl Lines {
         }
     }
 
-    /// The picture as egui takes it; none before the first.
-    pub(crate) fn shown(&self) -> Option<wgpu::TextureView> {
-        let target = self.target.as_ref()?;
-        Some(target.picture.create_view(&wgpu::TextureViewDescriptor { format: Some(BYTES), ..Default::default() }))
+    /// The picture; none before the first.
+    pub(crate) fn shown(&self) -> Option<&wgpu::Texture> {
+        self.target.as_ref().map(|target| &target.picture)
     }
 
     /// Waits for the picture and reads it, opaque; none before the first.

@@ -1,8 +1,8 @@
-//! The picture in the window: which renderer draws it, and the texture that egui shows.
+//! The picture in the window, and which renderer draws it.
 
 use std::sync::Arc;
 
-use eframe::egui::TextureId;
+use eframe::egui::{Rect, epaint::PaintCallback};
 use eframe::egui_wgpu::RenderState;
 use glam::DVec3;
 use windswept::gpu::wgpu::{self, util::DeviceExt as _};
@@ -11,6 +11,7 @@ use windswept_export::image::RgbaImage;
 use windswept_export::{ExportError, Renderer, View};
 use windswept_scene::Curves;
 
+use crate::blit::Blit;
 use crate::camera::Orbit;
 use crate::fields::{AirColour, AirLook, HairColour, Range};
 use crate::lines::{Air, Lines, Shot};
@@ -56,7 +57,6 @@ pub(crate) struct State {
 /// Draws states of one scene.
 pub(crate) struct Picture {
     gpu: Gpu,
-    render: RenderState,
     scene: CheckedScene,
     /// The strands at the start, and a caller's own curves that follow them.
     start: HairFrame,
@@ -64,8 +64,8 @@ pub(crate) struct Picture {
     lines: Lines,
     /// Made where it is needed first, as its hairs may take a while.
     renderer: Option<(u32, Renderer)>,
-    texture: Option<TextureId>,
-    /// What the texture shows.
+    blit: Blit,
+    /// What it shows.
     drawn: Option<(u64, Orbit, Looks, [u32; 2])>,
     /// Values of the last colours, of hair and of air, and what they are of.
     ranges: [Range; 2],
@@ -84,12 +84,11 @@ impl Picture {
         Ok(Self {
             lines: Lines::new(gpu, scene, &start)?,
             gpu: gpu.clone(),
-            render: render.clone(),
             scene: scene.clone(),
             start,
             groom,
             renderer: None,
-            texture: None,
+            blit: Blit::new(render),
             drawn: None,
             ranges: [Range::default(); 2],
             ranged: (HairColour::default(), AirColour::default()),
@@ -108,41 +107,41 @@ impl Picture {
         Ok(names.zip(views.iter().map(Orbit::of)).collect())
     }
 
-    /// Draws a state in a size \[px\], unless the texture shows it already.
+    /// Draws a state in a size \[px\], unless it is drawn already.
     pub(crate) fn draw(
         &mut self,
         state: &State,
         orbit: Orbit,
         looks: Looks,
         size: [u32; 2],
-    ) -> Result<Option<TextureId>, ExportError> {
+    ) -> Result<(), ExportError> {
         let wanted = (state.serial, orbit, looks, size);
         if self.drawn == Some(wanted) {
-            return Ok(self.texture);
+            return Ok(());
         }
         let view = orbit.view(size);
         let has_hair = !state.frame.hair.positions.is_empty();
         let changed = self.drawn.is_none_or(|drawn| drawn.2.look != looks.look || drawn.2.hairs != looks.hairs);
         let texture = match looks.look {
             // The state that has its strands is on its way.
-            Look::Film if !has_hair => return Ok(self.texture),
+            Look::Film if !has_hair => return Ok(()),
             Look::Film => {
                 let renderer = self.renderer(looks.hairs)?;
                 let before = [renderer.view().width, renderer.view().height];
                 renderer.look_from(view)?;
                 renderer.show(&state.frame)?;
-                (before != size || changed).then(|| renderer.shown())
+                (before != size || changed).then(|| renderer.shown().clone())
             }
             Look::Lines => {
                 let other = self.draw_lines(state, view, looks)?;
-                if other || changed { self.lines.shown() } else { None }
+                if other || changed { self.lines.shown().cloned() } else { None }
             }
         };
         self.drawn = Some(wanted);
         if let Some(texture) = texture {
-            self.show(&texture);
+            self.blit.set(&texture);
         }
-        Ok(self.texture)
+        Ok(())
     }
 
     fn renderer(&mut self, hairs: u32) -> Result<&mut Renderer, ExportError> {
@@ -204,17 +203,12 @@ impl Picture {
         })
     }
 
-    /// Gives egui another texture.
-    fn show(&mut self, texture: &wgpu::TextureView) {
-        let (device, filter) = (&self.render.device, wgpu::FilterMode::Linear);
-        let mut egui = self.render.renderer.write();
-        match self.texture {
-            Some(id) => egui.update_egui_texture_from_wgpu_texture(device, texture, filter, id),
-            None => self.texture = Some(egui.register_native_texture(device, texture, filter)),
-        }
+    /// The picture over this part of the window; nothing before there is one.
+    pub(crate) fn over(&self, rect: Rect) -> Option<PaintCallback> {
+        self.blit.over(rect)
     }
 
-    /// What the texture shows, in the film look drawn again and waited for; none before the first picture.
+    /// What is shown, in the film look drawn again and waited for; none before the first picture.
     pub(crate) fn read(&mut self, state: &State) -> Result<Option<RgbaImage>, ExportError> {
         match (self.drawn, &self.renderer) {
             (Some((.., looks, _)), Some((_, renderer))) if looks.look == Look::Film => {

@@ -62,11 +62,6 @@ impl Target {
         &self.picture
     }
 
-    /// The picture in [`BYTES`].
-    pub(super) fn shown(&self) -> wgpu::TextureView {
-        self.picture.create_view(&wgpu::TextureViewDescriptor { format: Some(BYTES), ..Default::default() })
-    }
-
     /// Runs `draw` over an empty picture.
     pub(super) fn draw(&self, encoder: &mut wgpu::CommandEncoder, draw: impl FnOnce(&mut wgpu::RenderPass<'_>)) {
         let picture = self.picture.create_view(&Default::default());
