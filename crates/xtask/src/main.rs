@@ -53,7 +53,8 @@ Commands:
            and another sixteenth of its mutants
   new      `new pass STAGE/NAME`, `new key TABLE.NAME`, `new format NAME` write the skeleton of
            something new in all its places; its test fails and says what to write
-  package  build the crates and the Python package as they would be published; publishes nothing
+  package  build the crates and the Python package as they would be published, and try the wheel in
+           an empty environment; publishes nothing
 
 Each command installs or fetches what it needs and does not find: a Vulkan driver, CMake, mdBook, packages of PyPI.";
 

@@ -33,12 +33,10 @@ pub(crate) fn provide(packages: &[&str]) -> Result<PathBuf> {
 /// A list of what was installed makes the second call quick: pip alone takes a second to find that nothing is to be
 /// done.
 pub(crate) fn provide_in(name: &str, packages: &[&str]) -> Result<PathBuf> {
-    let venv = root().join("target").join(name);
-    let python = if cfg!(windows) { venv.join("Scripts/python.exe") } else { venv.join("bin/python") };
+    let (venv, python) = place(name);
     let list = venv.join("installed.txt");
     if !system::succeeds(&python.to_string_lossy(), &["-m", "pip", "--version"]) {
-        say(&format!("Making target/{name}"));
-        create(&venv.to_string_lossy())?;
+        create(name)?;
     }
     let mut installed = std::fs::read_to_string(&list).unwrap_or_default();
     let missing: Vec<&str> = packages.iter().copied().filter(|p| !installed.lines().any(|i| i == *p)).collect();
@@ -53,7 +51,10 @@ pub(crate) fn provide_in(name: &str, packages: &[&str]) -> Result<PathBuf> {
     Ok(python)
 }
 
-fn create(venv: &str) -> Result {
+/// Makes an environment of this name in `target`, empty, in the place of any that is there; returns its Python.
+pub(crate) fn create(name: &str) -> Result<PathBuf> {
+    say(&format!("Making target/{name}"));
+    let (venv, python) = place(name);
     // Debian splits ensurepip, without which a venv has no pip, from its python3.
     let able = |python: &str| system::succeeds(python, &["-c", "import venv, ensurepip"]);
     let find = || ["python3", "python"].into_iter().find(|p| able(p));
@@ -65,5 +66,13 @@ fn create(venv: &str) -> Result {
         }
     };
     // --clear: an environment that is there but does not work is replaced (its base Python may be gone).
-    run(Command::new(base).args(["-m", "venv", "--clear", venv]))
+    run(Command::new(base).args(["-m", "venv", "--clear"]).arg(venv))?;
+    Ok(python)
+}
+
+/// The environment of this name in `target`, and its Python.
+fn place(name: &str) -> (PathBuf, PathBuf) {
+    let venv = root().join("target").join(name);
+    let python = if cfg!(windows) { venv.join("Scripts/python.exe") } else { venv.join("bin/python") };
+    (venv, python)
 }
