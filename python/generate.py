@@ -119,7 +119,7 @@ def attribute(own: dict[str, Any], classes: dict[str, str]) -> str:
     if default:
         sentences.append(f"Default {default}.")
     elif follows:
-        sentences.append(f"Without it: {follows}.")
+        sentences.append(f"N{follows[1:]}." if follows.startswith("needed") else f"Without it: {follows}.")
     elif follows is None:
         sentences.append("Needed.")
     line = f"    {name}: Key[{got}{optional}, {taken}{optional}] = key({', '.join(words)})\n"

@@ -90,6 +90,7 @@ fn callbacks_are_asked_before_each_step() {
 #[test]
 fn sleepers_wake_when_they_are_pushed() {
     let mut scene = scene(Model::None, 0.0);
+    scene.time.substeps = 1;
     scene.hair = vec![Hair::drawn(12, 7, 0.05, Roots::disc([0.04, 0.03, 0.03], 0.01))];
     scene.rods.damping = 200.0;
     let mut simulation = simulation(&scene);
@@ -153,7 +154,7 @@ fn harsh_fields_leave_numbers() {
         ] {
             let scene = Scene { forces: vec![force], ..scene(model, 0.0) };
             let mut simulation = simulation(&scene);
-            match simulation.step(12) {
+            match simulation.step(4) {
                 Ok(()) => assert!(is_finite(&simulation.frame().unwrap()), "{model:?}, {:?}", scene.forces),
                 Err(error) => panic!("{model:?}, {:?}: {error}", scene.forces),
             }

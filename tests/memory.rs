@@ -21,7 +21,7 @@ fn resident() -> f64 {
     1e-3 * line.split_whitespace().nth(1).unwrap().parse::<f64>().unwrap()
 }
 
-/// Keys that are set in `quick`, by the number of the case.
+/// Keys that are set in `quick` at one substep, by the number of the case.
 fn sets(case: usize) -> Option<Vec<String>> {
     let body = "body=[{name='a',center=[0.1,0.06,0.03],radius=0.012}]";
     let fields = "force=[{name='a',field='jet',origin=[0.02,0.06,0.03],axis=[1,0,0],reach=0.1,strength=2},\
@@ -43,7 +43,7 @@ fn sets(case: usize) -> Option<Vec<String>> {
         // Strands that the direct solver leaves unsolved.
         &["interaction.model=drag", "air.wind=[100, 0, 0]", "rods.newton=1", "hair.point_mass=1e-10"],
     ];
-    Some(cases.get(case)?.iter().map(|&set| set.to_owned()).collect())
+    Some(cases.get(case)?.iter().chain(&["time.substeps=1"]).map(|&set| set.to_owned()).collect())
 }
 
 #[test]

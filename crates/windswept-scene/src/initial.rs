@@ -155,6 +155,7 @@ impl InitialState {
         warnings.extend(warnings::of_place(&hair));
         warnings.extend(warnings::of_bodies(&hair, &bodies));
         warnings.extend(warnings::of_roots(scene, &hair, &bodies));
+        warnings.extend(warnings::of_numbers(scene));
         warnings.extend(warnings::of_buoyancy(scene));
         warnings.extend(warnings::of_meshes(scene));
         let filled = scene.filled();

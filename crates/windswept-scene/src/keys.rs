@@ -204,6 +204,7 @@ fn explained(key: &Key) -> String {
     let default = match &key.default {
         Fallback::Required => "needed".to_owned(),
         Fallback::Value(value) => format!("default {value}"),
+        Fallback::Derived(needed) if needed.starts_with("needed") => (*needed).to_owned(),
         Fallback::Derived(without) => format!("without it: {without}"),
         Fallback::Method(accurate, published) => format!("default {accurate} (accurate), {published} (published)"),
     };

@@ -60,7 +60,7 @@ table! {
     pub struct Scene => SceneValues, checked by Scene::check_together {
         /// Free text, shown in reports.
         title: String = Text, "", Value(String::new());
-        /// Method that sets the defaults of eight keys: interaction.model, fluid.solver, rods.solver, rods.integrator,
+        /// Method, which sets the defaults of interaction.model, fluid.solver, rods.solver, rods.integrator,
         /// turbulence.law, .filter, .cutoff, viscosity.form.
         method: Method = Choice(Method::WORDS), "", Value(Method::Accurate);
         /// Acceleration on hair; air has none.

@@ -15,7 +15,7 @@ use crate::{
     force::ForceField,
     initial::AirParticles,
     limits::MAX_REPEATS,
-    scene::{Bounds, CheckedAir, FluidSolver, Law, Model, SceneValues},
+    scene::{Bounds, CheckedAir, Fibre, FluidSolver, Law, Model, Moduli, SceneValues, Stiffness},
     solid,
     strands::{End, Strands},
     units::with_scale,
@@ -48,6 +48,11 @@ const ROOTED: f64 = 5e-3;
 
 /// Density of air over that of hair from which what is left out is said: a hundredth of the weight.
 const MUCH_BUOYANCY: f64 = 0.01;
+
+/// Radii \[m\] and Young's moduli \[Pa\] of fibres without a warning: those of wool, hair and bristles, and a decade
+/// beyond on either side.
+const RADII: std::ops::RangeInclusive<f64> = 1e-6..=2e-3;
+const MODULI: std::ops::RangeInclusive<f64> = 1e7..=1e11;
 
 /// Part of the box's cross-section that bodies may block without a warning.
 const MUCH_BLOCKED: f64 = 0.3;
@@ -314,6 +319,30 @@ pub(crate) fn of_roots(scene: &SceneValues, hair: &Strands, bodies: &[CheckedSha
         })
     });
     each.collect()
+}
+
+/// Warnings of fibres that are unlike hair, often by another unit, and of a run without a step.
+pub(crate) fn of_numbers(scene: &SceneValues) -> Vec<Warning> {
+    let mut warnings = Vec::new();
+    let time = &scene.time;
+    if time.duration < 0.5 * time.step {
+        let text = format!("{} s are less than half a step of {} s: a run takes none", time.duration, time.step);
+        warnings.push(Warning::new("no_steps", "time.duration", text));
+    }
+    for (group, hair) in scene.hair.iter().enumerate() {
+        let Fibre { radius, stiffness, .. } = hair.fibre;
+        let modulus = match stiffness {
+            Stiffness::Moduli(Moduli { youngs_modulus, .. }) => Some(youngs_modulus),
+            Stiffness::Direct(_) => None,
+        };
+        let wide = (!RADII.contains(&radius)).then(|| ("radius", format!("{radius} m, where hair has 15 to 150 µm")));
+        let odd = modulus.filter(|modulus| !MODULI.contains(modulus));
+        let odd = odd.map(|modulus| ("youngs_modulus", format!("{modulus} Pa, where hair has 1 to 7 GPa")));
+        for (key, text) in wide.into_iter().chain(odd) {
+            warnings.push(Warning::new("unlike_hair", &format!("{}.{key}", scene.called(group)), text));
+        }
+    }
+    warnings
 }
 
 /// A warning where hair is hardly heavier than what it moves in: buoyancy and added mass are left out.

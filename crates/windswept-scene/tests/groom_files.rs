@@ -589,10 +589,14 @@ fn faults_of_files_name_the_key() {
     let large = "m large, body \"body\" 100.000 x 100.000 x 100.000 m: hair.scale is";
     refused(&of_two(""), "hair.scale", &["is rooted", "expected at most a tenth of its radius", large]);
     refused("file = \"two.hair\"\nscale = 1\nlength = 0.1", "hair.length", &["goes with strands that are drawn"]);
-    refused("file = \"two.hair\"\nscale = 1\nroots = { center = [0, 0, 0], radius = 1 }", "hair.roots", &["hair.file"]);
+    refused(
+        "file = \"two.hair\"\nscale = 1\nroots = { center = [0, 0, 0], radius = 1 }",
+        "hair.roots",
+        &["a groom file"],
+    );
     refused("file = \"two.hair\"\nscale = 0", "hair.scale", &["greater than 0"]);
     refused("file = \"two.hair\"\nscale = 1\nup = \"q\"", "hair.up", &["\"yzx\""]);
-    refused("strands = 1\npoints = 2\nlength = 1\nscale = 1", "hair.scale", &["goes with hair.file"]);
+    refused("strands = 1\npoints = 2\nlength = 1\nscale = 1", "hair.scale", &["goes with a groom file"]);
     folder.write("two.hair", b"HAIR");
     refused("file = \"two.hair\"\nscale = 1", "hair.file", &["two.hair", "at byte 4", "the number of strands"]);
 }

@@ -80,6 +80,20 @@ fn hair_in_water_is_warned_of() {
     }
 }
 
+/// Numbers in another unit, and a run that takes no step, are warned of.
+#[test]
+fn numbers_that_no_hair_has_are_warned_of() {
+    for (set, key) in [
+        ("hair.radius=1", "hair.radius"),
+        ("hair.youngs_modulus=4", "hair.youngs_modulus"),
+        ("time.duration=0.0005", "time.duration"),
+    ] {
+        let warnings = brush(&[set]).1.warnings;
+        assert!(warnings.iter().any(|warning| warning.key == key), "{set}: {warnings:?}");
+    }
+    assert_eq!(brush(&[]).1.warnings, []);
+}
+
 /// The same seed gives the same state, another does not.
 #[test]
 fn the_seed_decides() {

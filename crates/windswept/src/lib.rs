@@ -25,7 +25,7 @@
 //! let mut scene = Scene::new(Time::new(1.38e-3, 1.0));
 //! let roots = Roots::disc([0.056, 0.065, 0.035], 0.017).toward([1.0, 0.1, 0.0]);
 //! scene.hair.push(Hair::drawn(60, 11, 0.10, roots));
-//! scene.air = Some(Air::filling([0.16, 0.12, 0.07]).wind([3.0, 0.0, 0.0]));
+//! scene.air = Some(Air::filling([0.16, 0.12, 0.07]).wind([1.4, 0.0, 0.0]));
 //! scene.turbulence = Turbulence::scale(0.006);
 //! let mut simulation = Simulation::new(&Gpu::best()?, &scene)?; // checks the scene; a fault names `hair.points`
 //! simulation.step(3)?;

@@ -19,7 +19,7 @@ pub(crate) fn build() -> Result {
     package.args(["package", "--workspace"]);
     run(package.args(UNPUBLISHED.iter().flat_map(|name| ["--exclude", name])))?;
 
-    let python = venv::provide(&["maturin", "twine", "ziglang"])?;
+    let python = venv::provide(&["cmake", "maturin", "twine", "ziglang"])?;
     let module = |name: &str| {
         let mut command = Command::new(&python);
         command.current_dir(root()).args(["-m", name]);
@@ -36,7 +36,7 @@ pub(crate) fn build() -> Result {
     let sdist = the_file_in(&sdists)?;
     run(module("tarfile").arg("--extract").args([&sdist, &unpacked]))?;
     let mut maturin = module("maturin");
-    venv::provide_cmake(&mut maturin)?;
+    venv::put_on_path(&mut maturin)?;
     maturin.current_dir(the_file_in(&unpacked)?).args(["build", "--quiet", "--release", "--out"]).arg(&wheels);
     maturin.args(if cfg!(target_os = "linux") { &LINUX[..] } else { &[] });
     run(maturin.env("CARGO", cargo().get_program()).env("CARGO_TARGET_DIR", root().join("target")))?;

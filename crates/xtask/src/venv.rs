@@ -14,7 +14,13 @@ pub(crate) fn provide_cmake(command: &mut Command) -> Result {
     if std::env::var_os("CMAKE").is_some() || system::succeeds("cmake", &["--version"]) {
         return Ok(());
     }
-    let python = provide(&["cmake"])?;
+    provide(&["cmake"])?;
+    put_on_path(command)
+}
+
+/// Puts the programs of `target/venv` on the command's PATH, before all others.
+pub(crate) fn put_on_path(command: &mut Command) -> Result {
+    let (_, python) = place("venv");
     let folder = python.parent().map(PathBuf::from).unwrap_or_default();
     let before = std::env::var_os("PATH").unwrap_or_default();
     let path = std::env::join_paths(std::iter::once(folder).chain(std::env::split_paths(&before)))
