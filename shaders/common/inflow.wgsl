@@ -15,7 +15,7 @@ struct Wave {
 override INFLOW: bool = true;
 
 // Velocity that the wind brings in at a place [m/s].
-fn deposit_source(place: vec3f) -> vec3f {
+fn incoming_velocity(place: vec3f) -> vec3f {
     if !INFLOW { return mean_wind(); }
     let carried = place - wind_path();
     var eddies = vec3f(0.0);

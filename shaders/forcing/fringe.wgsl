@@ -10,7 +10,7 @@
 //       frozen turbulence (Taylor 1938), solenoidal
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::frozen, wind::{mean_wind, wind_before},
-    inflow::{deposit_source, rate_at},
+    inflow::{incoming_velocity, rate_at},
 };
 
 @group(0) @binding(2) var<storage, read>       position:    array<vec4f>;
@@ -36,6 +36,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let change = mean_wind() - wind_before() + wind_deficit();
     let rate = rate_at(place);
     var drawn = vec3f(0.0);
-    if rate > 0.0 { drawn = (1.0 - exp(-rate * params.step)) * (deposit_source(place) - velocity[i].xyz - change); }
+    if rate > 0.0 { drawn = (1.0 - exp(-rate * params.step)) * (incoming_velocity(place) - velocity[i].xyz - change); }
     wind_change[i] = vec4f(change + drawn, 0.0);
 }

@@ -3,7 +3,7 @@
 //   sum_i sigma_i (U + u' - v_i - (U(t + dt) - U(t))),  and sum_i sigma_i
 import package::common::{
     dispatch::WORKGROUP, terms::sum_terms, status::finite3, wind::{mean_wind, wind_before},
-    inflow::{deposit_source, rate_at},
+    inflow::{incoming_velocity, rate_at},
 };
 
 @group(0) @binding(2) var<storage, read> position: array<vec4f>;
@@ -17,7 +17,7 @@ fn term(i: u32) -> mat2x4f {
     // Air that is not finite ends the run; left out of the sum, it does not spread to all other air.
     if rate <= 0.0 || !finite3(v) { return mat2x4f(); }
     let change = mean_wind() - wind_before();
-    return mat2x4f(rate * vec4f(deposit_source(place) - v - change, 1.0), vec4f(0.0));
+    return mat2x4f(rate * vec4f(incoming_velocity(place) - v - change, 1.0), vec4f(0.0));
 }
 
 @compute @workgroup_size(WORKGROUP)
