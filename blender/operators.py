@@ -22,7 +22,10 @@ class Background:
 
     @classmethod
     def poll(cls, context):
-        return process.running is None and hair_of(context.object) is not None
+        if hair_of(context.object) is None:
+            cls.poll_message_set("Select a hair curves object")
+            return False
+        return process.running is None
 
     def begin(self, context):
         """Starts the job; says why not, and returns False, where it cannot."""
@@ -116,7 +119,7 @@ class Estimate(Background, bpy.types.Operator):
     bl_label = "Estimate Time"
 
     def commands(self, hair, path, unit):
-        return [["-m", "windswept", "check", str(path), *more_keys(hair)]]
+        return [["-m", "windswept", "check", str(path), "--formats", "vtkhdf", *more_keys(hair)]]
 
     def done(self, context, hair, job):
         return next((line for line in job.lines() if line.startswith("run ")), "").removeprefix("run ").strip()

@@ -39,7 +39,7 @@ fn moved(time: f64, x: f64) -> Keyframe {
 /// Hair on a ball, in a wind.
 fn tuft(model: Model, wind: f64) -> Scene {
     let hair = Hair::drawn(30, 13, LENGTH, Roots::cap([0.06, 0.08, 0.04], 0.02).toward([0.0, 1.0, 0.0]));
-    let air = Air { ramp: 0.0, ..Air::filling([0.2, 0.18, 0.08]).wind([wind, 0.0, 0.0]) };
+    let air = Air { ramp: 0.0, spacing: 8e-3, ..Air::filling([0.2, 0.18, 0.08]).wind([wind, 0.0, 0.0]) };
     let mut scene = support::in_wind(1.38e-3, air, [Hair { body: Some("head".into()), ..hair }]);
     scene.interaction.model = Some(model);
     scene.bodies = vec![Body::sphere([0.06, 0.08, 0.04], 0.02).named("head")];

@@ -231,17 +231,13 @@ class Hair(Table):
     name: Key[str, str] = key(default="hair")
     """Name of the group, for dotted keys and reports. A string. Default "hair"."""
     strands: Key[int | None, int | None] = key(default=None)
-    """Number of strands. A whole number of at least 1, at most 16777216. Without it: needed with strands that are
-    drawn.
-    """
+    """Number of strands. A whole number of at least 1, at most 16777216. Needed with strands that are drawn."""
     points: Key[int | None, int | None] = key(default=None)
-    """Points per strand, root included. A whole number of at least 2, at most 16384. Without it: needed with strands
-    that are drawn.
+    """Points per strand, root included. A whole number of at least 2, at most 16384. Needed with strands that are
+    drawn.
     """
     length: Key[float | None, float | None] = key(default=None)
-    """Length of a strand along its curl. A length in metres greater than 0. Without it: needed with strands that are
-    drawn.
-    """
+    """Length of a strand along its curl. A length in metres greater than 0. Needed with strands that are drawn."""
     length_variation: Key[float, float] = key(default=0.0)
     """Fraction by which strands are shorter at most, drawn at random. A number from 0 to below 1. Default 0.0."""
     curl: Key[Curl | None, Curl | None] = key(default=None, of=Curl, kind="table")
@@ -249,14 +245,14 @@ class Hair(Table):
     curl_phase: Key[float, float] = key(default=1.0)
     """Spread of the helices' phases over the strands, 0 to 1. A number of at least 0 [turns]. Default 1.0."""
     roots: Key[Disc | Cap | Line | Scalp | None, Disc | Cap | Line | Scalp | None] = key(default=None, of=(Disc, Cap, Line, Scalp), kind="table")
-    """Shape that the strands are rooted on. Without it: needed with strands that are drawn."""
+    """Shape that the strands are rooted on. Needed with strands that are drawn."""
     file: Key[str | None, str | None] = key(default=None)
     """Groom file that the strands come from (.hair, .data, .bin, .npz, .npy, .ply). A path relative to the scene's
-    folder. Without it: needed with hair.file.
+    folder. Needed with a groom file.
     """
     scale: Key[float | None, float | None] = key(default=None)
-    """Metres per unit of the file: 0.01 for centimetres. A number greater than 0 [m]. Without it: needed, unless the
-    file says its unit.
+    """Metres per unit of the file: 0.01 for centimetres. A number greater than 0 [m]. Needed with a groom file that
+    does not say its unit.
     """
     up: Key[Literal["y", "z", "x", "yzx", "zxy", "xzy", "yxz", "zyx"], Literal["y", "z", "x", "yzx", "zxy", "xzy", "yxz", "zyx"]] = key(default="y")
     """Axis of the file that points up, or the axes of the file that become x, y and z; xzy, yxz and zyx mirror. One of
@@ -300,15 +296,13 @@ class Hair(Table):
     poissons_ratio: Key[float, float] = key(default=0.38)
     """Poisson's ratio ν: G = E/(2 (1 + ν)), GA = EA/(2 (1 + ν)). A number above -1, at most 0.5. Default 0.38."""
     stretch_stiffness: Key[float | None, float | None] = key(default=None)
-    """Stretch stiffness EA of the strand; the three stiffnesses go together. A number greater than 0 [N]. Without it:
-    needed with the three stiffnesses.
+    """Stretch stiffness EA of the strand; the three stiffnesses go together. A number greater than 0 [N]. Needed with
+    the three stiffnesses.
     """
     bend_stiffness: Key[float | None, float | None] = key(default=None)
-    """Bend stiffness EI of the strand. A number greater than 0 [N m²]. Without it: needed with the three stiffnesses.
-    """
+    """Bend stiffness EI of the strand. A number greater than 0 [N m²]. Needed with the three stiffnesses."""
     twist_stiffness: Key[float | None, float | None] = key(default=None)
-    """Twist stiffness GJ of the strand. A number greater than 0 [N m²]. Without it: needed with the three stiffnesses.
-    """
+    """Twist stiffness GJ of the strand. A number greater than 0 [N m²]. Needed with the three stiffnesses."""
     point_mass: Key[float | None, float | None] = key(default=None)
     """Mass of every point; the paper's is 1.46e-7. A number greater than 0 [kg]. Without it: half of each adjoining
     segment's mass.
@@ -410,8 +404,8 @@ class MeshFile(Table):
     _word = ("shape", "mesh")
 
     file: Key[str | None, str | None] = key(default=None)
-    """Mesh file whose triangles enclose the body (.obj, .ply, .glb). A path relative to the scene's folder. Without it:
-    needed, or frames.
+    """Mesh file whose triangles enclose the body (.obj, .ply, .glb). A path relative to the scene's folder. Needed, or
+    frames.
     """
     frames: Key[str | None, str | None] = key(default=None)
     """File of a mesh that deforms, in place of a mesh file (.npz): positions (T, n, 3), triangles (m, 3) and times (T)
@@ -419,8 +413,8 @@ class MeshFile(Table):
     mesh keeps its shape.
     """
     scale: Key[float | None, float | None] = key(default=None)
-    """Metres per unit of the file: 0.01 for centimetres. A number greater than 0 [m]. Without it: needed with shape
-    mesh, unless the file says its unit.
+    """Metres per unit of the file: 0.01 for centimetres. A number greater than 0 [m]. Needed with shape mesh, unless
+    the file says its unit.
     """
     up: Key[Literal["y", "z", "x", "yzx", "zxy", "xzy", "yxz", "zyx"], Literal["y", "z", "x", "yzx", "zxy", "xzy", "yxz", "zyx"]] = key(default="y")
     """Axis of the file that points up, or the axes of the file that become x, y and z; xzy, yxz and zyx mirror. One of
@@ -444,32 +438,29 @@ class Body(Table):
     normal, or with file. One of "sphere", "capsule", "box", "plane", "mesh". Default "sphere".
     """
     center: Key[NDArray[float64] | None, ArrayLike | None] = key(default=None, kind="vector")
-    """Centre of the sphere or of the box. Three numbers, [x, y, z] [m]. Without it: needed with shape sphere."""
+    """Centre of the sphere or of the box. Three numbers, [x, y, z] [m]. Needed with shape sphere."""
     radius: Key[float | None, float | None] = key(default=None)
-    """Radius of the sphere, or about the capsule's axis. A length in metres greater than 0. Without it: needed with
-    shape sphere.
+    """Radius of the sphere, or about the capsule's axis. A length in metres greater than 0. Needed with shape sphere.
     """
     start: Key[NDArray[float64] | None, ArrayLike | None] = key(default=None, kind="vector")
-    """Start of the capsule's axis. Three numbers, [x, y, z] [m]. Without it: needed with shape capsule."""
+    """Start of the capsule's axis. Three numbers, [x, y, z] [m]. Needed with shape capsule."""
     end: Key[NDArray[float64] | None, ArrayLike | None] = key(default=None, kind="vector")
-    """End of the capsule's axis. Three numbers, [x, y, z] [m]. Without it: needed with shape capsule."""
+    """End of the capsule's axis. Three numbers, [x, y, z] [m]. Needed with shape capsule."""
     size: Key[NDArray[float64] | None, ArrayLike | None] = key(default=None, kind="vector")
-    """Sides of the box along its own axes. Three numbers, [x, y, z] [m]. Without it: needed with shape box."""
+    """Sides of the box along its own axes. Three numbers, [x, y, z] [m]. Needed with shape box."""
     rotation: Key[NDArray[float64], ArrayLike] = key(default=[0.0, 0.0, 0.0], kind="vector")
     """Rotation vector of the box about its centre, axis times angle. Three numbers, [x, y, z] [rad]. Default [0.0, 0.0,
     0.0].
     """
     point: Key[NDArray[float64] | None, ArrayLike | None] = key(default=None, kind="vector")
     """A point of the plane, about which it turns, and about which a square of 2 m of it is drawn. Three numbers, [x, y,
-    z] [m]. Without it: needed with shape plane.
+    z] [m]. Needed with shape plane.
     """
     normal: Key[NDArray[float64] | None, ArrayLike | None] = key(default=None, kind="vector")
-    """Normal of the plane, away from the body. Three numbers, [x, y, z], not all 0. Without it: needed with shape
-    plane.
-    """
+    """Normal of the plane, away from the body. Three numbers, [x, y, z], not all 0. Needed with shape plane."""
     file: Key[str | None, str | None] = key(default=None)
-    """Mesh file whose triangles enclose the body (.obj, .ply, .glb). A path relative to the scene's folder. Without it:
-    needed, or frames.
+    """Mesh file whose triangles enclose the body (.obj, .ply, .glb). A path relative to the scene's folder. Needed, or
+    frames.
     """
     frames: Key[str | None, str | None] = key(default=None)
     """File of a mesh that deforms, in place of a mesh file (.npz): positions (T, n, 3), triangles (m, 3) and times (T)
@@ -477,8 +468,8 @@ class Body(Table):
     mesh keeps its shape.
     """
     scale: Key[float | None, float | None] = key(default=None)
-    """Metres per unit of the file: 0.01 for centimetres. A number greater than 0 [m]. Without it: needed with shape
-    mesh, unless the file says its unit.
+    """Metres per unit of the file: 0.01 for centimetres. A number greater than 0 [m]. Needed with shape mesh, unless
+    the file says its unit.
     """
     up: Key[Literal["y", "z", "x", "yzx", "zxy", "xzy", "yxz", "zyx"], Literal["y", "z", "x", "yzx", "zxy", "xzy", "yxz", "zyx"]] = key(default="y")
     """Axis of the file that points up, or the axes of the file that become x, y and z; xzy, yxz and zyx mirror. One of
@@ -523,8 +514,8 @@ class Force(Table):
     z] [m]. Needed.
     """
     axis: Key[NDArray[float64] | None, ArrayLike | None] = key(default=None, kind="vector")
-    """Direction of a jet, or axis that a vortex turns about, right-handed. Three numbers, [x, y, z], not all 0. Without
-    it: needed with fields jet and vortex.
+    """Direction of a jet, or axis that a vortex turns about, right-handed. Three numbers, [x, y, z], not all 0. Needed
+    with fields jet and vortex.
     """
     reach: Key[float, float] = key()
     """Distance at which the field ends: along a jet, from a vortex's axis, from a point; from half of it on it fades. A
@@ -540,8 +531,7 @@ class Force(Table):
     it: radius.
     """
     strength: Key[float | None, float | None] = key(default=None)
-    """Largest speed of the field's wind; negative turns it round. A number [m/s]. Without it: needed without keyframes.
-    """
+    """Largest speed of the field's wind; negative turns it round. A number [m/s]. Needed without keyframes."""
     keyframes: Key[list[Strength], Strength | Sequence[Strength]] = key(factory=list, of=Strength, kind="tables")
     """Keyframes of the strength, in place of a steady one: linear between them, held before and after. Without it: a
     steady strength.
@@ -588,7 +578,7 @@ class Air(Table):
 
     box: Key[Bounds | None, Bounds | ArrayLike | None] = key(default=None, of=Bounds, kind="table")
     """Periodic box of the air particles; none with models drag and none. Three numbers are a box of this size whose
-    lower corner is the origin. Without it: needed with models particles and two-way.
+    lower corner is the origin. Needed with models particles and two-way.
     """
     margin: Key[float | None, float | None] = key(default=None)
     """Distance about the hair's reach that the box is cut to at load, and the fringe's thickness more where wind
@@ -604,7 +594,7 @@ class Air(Table):
     kernel_radius: Key[float | None, float | None] = key(default=None)
     """Kernel radius h. A length in metres greater than 0. Without it: 1.923 spacings."""
     wind: Key[NDArray[float64] | None, ArrayLike | None] = key(default=None, kind="vector")
-    """Mean wind U. Three numbers, [x, y, z] [m/s]. Without it: needed with every model but none."""
+    """Mean wind U. Three numbers, [x, y, z] [m/s]. Needed with every model but none."""
     fringe: Key[float | None, float | None] = key(default=None)
     """Thickness of the fringe, in which entering air is conditioned; 0: none. A number of at least 0 [m]. Without it: 4
     kernel radii.
@@ -876,8 +866,8 @@ class Scene(SceneTable):
     title: Key[str, str] = key(default="")
     """Free text, shown in reports. A string. Default ""."""
     method: Key[Literal["accurate", "published"], Literal["accurate", "published"]] = key(default="accurate")
-    """Method that sets the defaults of eight keys: interaction.model, fluid.solver, rods.solver, rods.integrator,
-    turbulence.law, .filter, .cutoff, viscosity.form. One of "accurate", "published". Default "accurate".
+    """Method, which sets the defaults of interaction.model, fluid.solver, rods.solver, rods.integrator, turbulence.law,
+    .filter, .cutoff, viscosity.form. One of "accurate", "published". Default "accurate".
     """
     gravity: Key[NDArray[float64], ArrayLike] = key(default=[0.0, -9.81, 0.0], kind="vector")
     """Acceleration on hair; air has none. Three numbers, [x, y, z] [m/s²]. Default [0.0, -9.81, 0.0]."""

@@ -92,6 +92,12 @@ pub(crate) enum Command {
     #[cfg(feature = "view")]
     /// Open a window on a scene that runs, with dials, or on the film of a run
     View(ViewOptions),
+    #[cfg(not(feature = "view"))]
+    #[command(hide = true)]
+    View {
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        _all: Vec<String>,
+    },
     /// Make pictures of a run that is over or was stopped, from its hair.vtkhdf and scene.toml
     Render(RenderOptions),
     /// Make one film for other programs of a run that is over or was stopped, from its hair.vtkhdf and scene.toml
@@ -113,6 +119,9 @@ pub(crate) enum Command {
         /// the best]
         #[arg(long, value_name = "NAME")]
         adapter: Option<String>,
+        /// What the run writes whose time is said, as `run --formats` takes it [default: png,vtkhdf]
+        #[arg(long, value_delimiter = ',', value_parser = run::format)]
+        formats: Vec<String>,
         /// Print every key there is: its default, meaning and unit; needs no SCENE
         #[arg(long)]
         explain: bool,

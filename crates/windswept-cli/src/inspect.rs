@@ -17,6 +17,7 @@ pub(crate) fn check(
     path: Option<&Path>,
     changes: &Changes,
     adapter: Option<&str>,
+    pictures: bool,
     explain: bool,
     console: &mut Console<'_>,
 ) -> Result<(), Failure> {
@@ -40,7 +41,7 @@ pub(crate) fn check(
         console.warn(warning);
     }
     // Last, as the first step may have to wait for the driver's compiler.
-    let run = match Trial::run(&scene, initial, adapter) {
+    let run = match Trial::run(&scene, initial, adapter, pictures) {
         Ok(trial) => trial.words(&scene),
         // The adapter that was asked for.
         Err(failure) if adapter.is_some() => return Err(failure),

@@ -83,12 +83,19 @@ fn dispatch(command: &Command, console: &mut Console<'_>) -> Result<(), Failure>
     match command {
         Command::Run(options) => run::run(options, console),
         #[cfg(feature = "view")]
-        Command::View(options) => view::view(options, console),
+        Command::View(options) => view::view(options),
+        #[cfg(not(feature = "view"))]
+        Command::View { .. } => Err(Failure::Input(
+            "this windswept is built without its window; in a clone `cargo build --release --package windswept-cli \
+             --features view` builds one with it"
+                .to_owned(),
+        )),
         Command::Render(options) => render::render(options, console),
         Command::Export(options) => export::export(options, console),
         Command::Check { schema: true, .. } => inspect::schema(console),
-        Command::Check { path, changes, adapter, explain, .. } => {
-            inspect::check(path.as_deref(), changes, adapter.as_deref(), *explain, console)
+        Command::Check { path, changes, adapter, formats, explain, .. } => {
+            let pictures = formats.is_empty() || formats.iter().any(|format| format == "png");
+            inspect::check(path.as_deref(), changes, adapter.as_deref(), pictures, *explain, console)
         }
         Command::Plan { scene, buffers } => inspect::plan(scene, *buffers, console),
         Command::Measure(arguments) => measure::measure(arguments, console),

@@ -14,9 +14,9 @@ pub(crate) fn measure(arguments: &MeasureArguments, console: &mut Console<'_>) -
     check_folder(&arguments.dir)?;
     let output = Output::of_run(&arguments.dir);
     let (scene, film) = (there(output.scene(), OF_SCENE)?, there(output.film(Kind::Hair), OF_HAIR)?);
-    let scene = Scene::load(scene)?.check()?;
+    let scene = Scene::load(scene)?;
+    let wind = scene.mean_wind()?;
     let options = MeasureOptions { from: arguments.from, to: arguments.to, gravity: scene.gravity };
-    let wind = |time| scene.air.as_ref().map_or([0.0; 3], |air| air.wind_at(time));
     // A film that cannot be read or measured is bad input: no file has been written.
     let found = measure_film(&film, &options, wind).map_err(|error| Failure::Input(error.to_string()))?;
     if options.from.is_none() && found.from_s < MeasureOptions::START {

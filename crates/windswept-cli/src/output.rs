@@ -212,7 +212,7 @@ fn check_folder(dir: &Path, overwrite: bool) -> Result<(), Failure> {
 
 /// Why a folder cannot be had. Where a file is in its way the path is wrong; else the disk refuses.
 pub(crate) fn no_folder(dir: &Path, error: &std::io::Error) -> Failure {
-    let words = format!("{}: {error}", dir.display());
+    let words = format!("{}: the folder could not be made: {error}", dir.display());
     match error.kind() {
         ErrorKind::NotADirectory | ErrorKind::AlreadyExists => Failure::Input(words),
         _ => Failure::Run(words),

@@ -16,15 +16,20 @@ pub(crate) struct Trial {
     adapter: String,
     /// Time of a step \[s\].
     step: f64,
-    /// Time of a picture with default formats \[s\].
-    picture: f64,
+    /// Time of a picture \[s\], if the run makes any.
+    picture: Option<f64>,
     /// Time in which hair settles before the run \[s\].
     settling: f64,
     air_particles: u64,
 }
 
 impl Trial {
-    pub(crate) fn run(scene: &CheckedScene, initial: InitialState, adapter: Option<&str>) -> Result<Self, Failure> {
+    pub(crate) fn run(
+        scene: &CheckedScene,
+        initial: InitialState,
+        adapter: Option<&str>,
+        pictures: bool,
+    ) -> Result<Self, Failure> {
         let gpu = Gpu::new(&AdapterChoice::from_flag(adapter))?;
         let settling = match Simulation::settling(&gpu, scene, &initial)? {
             Some((mut settling, steps)) => steps as f64 * step_of(&mut settling)?,
@@ -33,7 +38,7 @@ impl Trial {
         // `with_state` leaves hair where the state has it, also with `time.settle`.
         let mut simulation = Simulation::with_state(&gpu, scene, initial)?;
         let step = step_of(&mut simulation)?;
-        let picture = picture_of(&mut simulation)?;
+        let picture = if pictures { Some(picture_of(&mut simulation)?) } else { None };
         Ok(Self { adapter: gpu.info().to_string(), step, picture, settling, air_particles: simulation.counts().air })
     }
 
@@ -42,7 +47,7 @@ impl Trial {
         let schedule = Schedule::new(&scene.time, None);
         let (steps, pictures) = (schedule.steps(), schedule.frames());
         let stepping = self.step * steps as f64;
-        let others = self.picture * pictures as f64 + self.settling;
+        let others = self.picture.unwrap_or_default() * pictures as f64 + self.settling;
         let spacings: Vec<String> = [(60.0, "a minute"), (3600.0, "an hour")]
             .into_iter()
             .filter_map(|(all, period)| Some(format!("{} {period}", self.spacing(scene, stepping / (all - others))?)))
@@ -54,12 +59,14 @@ impl Trial {
         } else {
             String::new()
         };
+        let drawing = self
+            .picture
+            .map_or_else(String::new, |picture| format!(", {pictures} pictures of {:.3} ms", 1e3 * picture));
         format!(
-            "about {} on {}: {steps} steps of {:.3} ms, {pictures} pictures of {:.3} ms{settling}{spacings}",
+            "about {} on {}: {steps} steps of {:.3} ms{drawing}{settling}{spacings}",
             period(stepping + others),
             self.adapter,
             1e3 * self.step,
-            1e3 * self.picture,
         )
     }
 

@@ -4,16 +4,14 @@ use windswept::{AdapterChoice, CheckpointError};
 use windswept_view::{Opened, ViewError};
 
 use crate::arguments::{ViewOptions, What};
-use crate::console::Console;
 use crate::failure::Failure;
 
-pub(crate) fn view(options: &ViewOptions, console: &mut Console<'_>) -> Result<(), Failure> {
+pub(crate) fn view(options: &ViewOptions) -> Result<(), Failure> {
     let opened = match options.what()? {
         What::Scene(scene) => Opened::Scene(scene),
         What::Checkpoint(path) => Opened::Checkpoint(path.into()),
         What::Run(folder, sets) => Opened::Run(folder.into(), sets.to_vec()),
     };
-    console.note("the window opens; F1 there shows the keys");
     let adapter = AdapterChoice::from_flag(options.adapter.as_deref());
     windswept_view::view(opened, adapter, options.out.clone()).map_err(|error| match error {
         ViewError::Start(error) => error.into(),

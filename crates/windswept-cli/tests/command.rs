@@ -342,6 +342,16 @@ fn control_characters_are_spelled() {
     assert!(!said.contains('\u{1b}') && !warned.contains('\u{7}'), "{said}{warned}");
 }
 
+/// A program without the window says how one with it is built.
+#[test]
+#[cfg(not(feature = "view"))]
+fn a_window_that_is_not_there_is_said() {
+    let folder = folder();
+    let viewed = windswept(folder.path(), &["view", "scene.toml", "--out", "x"]).output().expect("the program starts");
+    assert_eq!(viewed.status.code(), Some(2), "{viewed:?}");
+    assert!(String::from_utf8_lossy(&viewed.stderr).contains("--features view"), "{viewed:?}");
+}
+
 /// `check` says how much there is, `plan` what runs and why the rest does not.
 #[test]
 fn looking_needs_no_folder() {
@@ -362,6 +372,9 @@ fn looking_needs_no_folder() {
     ] {
         assert!(said.contains(word), "{word}: {said}");
     }
+    let mut check = windswept(folder.path(), &["check", "scene.toml", "--formats", "vtkhdf"]);
+    let said = String::from_utf8_lossy(&check.output().expect("the program starts").stdout).into_owned();
+    assert!(said.contains(": 72 steps of ") && !said.contains("pictures"), "{said}");
     let mut plan = windswept(folder.path(), &["plan", "scene.toml", "--set", "air.wind=[0, 0, 0]"]);
     let planned = plan.output().expect("the program starts");
     let said = String::from_utf8_lossy(&planned.stdout).into_owned();

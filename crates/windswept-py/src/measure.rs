@@ -31,13 +31,13 @@ fn _measure_file(
     end: Option<f64>,
 ) -> PyResult<String> {
     let is_run = path.is_dir();
-    let scene = is_run.then(|| Scene::load(path.join(SCENE)).and_then(|scene| scene.check())).transpose();
+    let scene = is_run.then(|| Scene::load(path.join(SCENE))).transpose();
     let scene = scene.map_err(|error| scene_error(py, &error))?;
+    let of_scene = scene.as_ref().map(Scene::mean_wind).transpose().map_err(|error| scene_error(py, &error))?;
     let film = if is_run { path.join(Kind::Hair.file_name()) } else { path };
     let down = scene.as_ref().map_or(DOWN, |scene| scene.gravity);
     let options = MeasureOptions { from: start, to: end, gravity: gravity.unwrap_or(down) };
-    let air = scene.as_ref().and_then(|scene| scene.air.as_ref());
-    let blows = |time| wind.or(air.map(|air| air.wind_at(time))).unwrap_or_default();
+    let blows = |time| wind.or_else(|| Some(of_scene.as_ref()?(time))).unwrap_or_default();
     let measured = without_gil(py, || measure_film(&film, &options, blows))?;
     text(measured.map_err(|error| export_error(&error))?)
 }

@@ -150,6 +150,24 @@ impl Scene {
         Ok(Self { changes: self.changes.clone(), ..after.with(&Assignments(between.collect()))? })
     }
 
+    /// The mean wind by time \[m/s\], with the scene's changes, each from its end on.
+    ///
+    /// # Errors
+    /// As [`Self::check`].
+    pub fn mean_wind(&self) -> Result<impl Fn(f64) -> [f64; 3] + use<>, SceneError> {
+        let (mut scene, mut from, mut airs) = (self.clone(), 0.0, Vec::new());
+        loop {
+            airs.push((from, Self { changes: Vec::new(), ..scene.clone() }.check()?.air.clone()));
+            let Some(change) = scene.changes.first() else { break };
+            from = change.time + change.over;
+            scene = scene.after_change(1.0)?;
+        }
+        Ok(move |time| {
+            let air = airs.iter().rev().find(|(from, _)| *from <= time).and_then(|(_, air)| air.as_ref());
+            air.map_or([0.0; 3], |air| air.wind_at(time))
+        })
+    }
+
     /// The change of some keys from this scene to another one, at `time` \[s\].
     #[must_use]
     pub fn change_to(&self, other: &Self, time: f64) -> Change {

@@ -53,6 +53,10 @@ const MUCH_BUOYANCY: f64 = 0.01;
 /// beyond on either side.
 const RADII: std::ops::RangeInclusive<f64> = 1e-6..=2e-3;
 const MODULI: std::ops::RangeInclusive<f64> = 1e7..=1e11;
+/// Longest hair without a warning \[m\]; a braid of 5.6 m is on record.
+const LONGEST: f64 = 10.0;
+/// Fastest wind without a warning \[m/s\]: beyond a Mach number of 0.3 air is compressed.
+const FASTEST: f64 = 100.0;
 
 /// Part of the box's cross-section that bodies may block without a warning.
 const MUCH_BLOCKED: f64 = 0.3;
@@ -329,6 +333,11 @@ pub(crate) fn of_numbers(scene: &SceneValues) -> Vec<Warning> {
         let text = format!("{} s are less than half a step of {} s: a run takes none", time.duration, time.step);
         warnings.push(Warning::new("no_steps", "time.duration", text));
     }
+    let wind = scene.largest_wind();
+    if wind > FASTEST {
+        let text = format!("blows at {wind} m/s: beyond {FASTEST} m/s air is compressed, here it is not");
+        warnings.push(Warning::new("fast_wind", "air.wind", text));
+    }
     for (group, hair) in scene.hair.iter().enumerate() {
         let Fibre { radius, stiffness, .. } = hair.fibre;
         let modulus = match stiffness {
@@ -338,7 +347,9 @@ pub(crate) fn of_numbers(scene: &SceneValues) -> Vec<Warning> {
         let wide = (!RADII.contains(&radius)).then(|| ("radius", format!("{radius} m, where hair has 15 to 150 µm")));
         let odd = modulus.filter(|modulus| !MODULI.contains(modulus));
         let odd = odd.map(|modulus| ("youngs_modulus", format!("{modulus} Pa, where hair has 1 to 7 GPa")));
-        for (key, text) in wide.into_iter().chain(odd) {
+        let length = hair.as_drawn().map(|drawn| drawn.length).filter(|length| *length > LONGEST);
+        let long = length.map(|length| ("length", format!("{length} m, where hair has at most some metres")));
+        for (key, text) in wide.into_iter().chain(odd).chain(long) {
             warnings.push(Warning::new("unlike_hair", &format!("{}.{key}", scene.called(group)), text));
         }
     }

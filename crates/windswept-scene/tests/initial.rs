@@ -86,12 +86,22 @@ fn numbers_that_no_hair_has_are_warned_of() {
     for (set, key) in [
         ("hair.radius=1", "hair.radius"),
         ("hair.youngs_modulus=4", "hair.youngs_modulus"),
-        ("time.duration=0.0005", "time.duration"),
+        ("hair.length=100", "hair.length"),
+        ("air.wind=[300, 0, 0]", "air.wind"),
+        ("time.duration=0.0003", "time.duration"),
     ] {
         let warnings = brush(&[set]).1.warnings;
         assert!(warnings.iter().any(|warning| warning.key == key), "{set}: {warnings:?}");
     }
     assert_eq!(brush(&[]).1.warnings, []);
+}
+
+/// The mean wind follows the changes of a scene.
+#[test]
+fn the_wind_follows_changes() {
+    let change = "[[change]]\ntime = 0.2\nover = 0.1\nset = { \"air.wind\" = [0, 0, 5] }";
+    let wind = Scene::parse(&format!("{QUICK}\n{change}")).unwrap().mean_wind().unwrap();
+    assert_eq!([0.1, 0.31].map(wind), [[3.0, 0.0, 0.0], [0.0, 0.0, 5.0]]);
 }
 
 /// The same seed gives the same state, another does not.

@@ -3,9 +3,9 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use windswept::{AsChecked as _, Camera, Scene, Simulation};
+use windswept::{AsChecked as _, Camera, Pose, Scene, Simulation};
 use windswept_export::{Folder, Format, Lock, Recording, SCENE, Schedule};
-use windswept_scene::AtomicFile;
+use windswept_scene::{AtomicFile, Keyframe};
 
 /// Frames of a film at most, ten seconds by default. A file of frames has room for all of them from the start.
 const MOST_FRAMES: u64 = 600;
@@ -22,6 +22,8 @@ pub(crate) struct Film {
     next: u64,
     written: u64,
     camera: Camera,
+    /// Time of each frame \[s\], and the poses of the bodies.
+    poses: Vec<(f64, Vec<Pose>)>,
     /// Held until the last file is written.
     _lock: Lock,
 }
@@ -45,7 +47,7 @@ impl Film {
         let _lock = Folder(&folder).lock().map_err(|error| error.to_string())?;
         let schedule = Schedule::new(&simulation.scene().time, Some(Schedule::most_steps(&simulation.scene().time)));
         let next = schedule.frame_after(simulation.steps());
-        let mut film = Self { recording, folder, schedule, next, written: 0, camera, _lock };
+        let mut film = Self { recording, folder, schedule, next, written: 0, camera, poses: Vec::new(), _lock };
         film.write_scene(simulation)?;
         film.append(simulation)?;
         Ok(film)
@@ -63,11 +65,14 @@ impl Film {
     fn append(&mut self, simulation: &mut Simulation) -> Result<(), Refusal> {
         let losses = self.recording.append(simulation).map_err(|error| error.to_string())?;
         self.written += 1;
+        let time = simulation.time();
+        self.poses.push((time, simulation.scene().bodies.iter().map(|body| body.motion.at(time)).collect()));
         // What a film goes on without is said; it can be made again.
         losses.into_iter().next().map_or(Ok(()), |loss| Err(format!("no more {}: {}", loss.format.writes, loss.error)))
     }
 
-    /// Ends the files, and writes the scene with all that was changed meanwhile. Returns what there is to say.
+    /// Ends the files, and writes the scene with all that was changed meanwhile, and with the ways of bodies that were
+    /// dragged as their keyframes. Returns what there is to say.
     pub(crate) fn finish(self, simulation: &Simulation) -> Result<String, Refusal> {
         let scene = self.write_scene(simulation);
         let losses = self.recording.finish().map_err(|error| error.to_string())?;
@@ -79,7 +84,13 @@ impl Film {
     }
 
     fn write_scene(&self, simulation: &Simulation) -> Result<(), Refusal> {
-        let scene = Scene { cameras: vec![self.camera.clone()], ..simulation.recorded() };
+        let mut scene = Scene { cameras: vec![self.camera.clone()], ..simulation.recorded() };
+        for (i, body) in scene.bodies.iter_mut().enumerate() {
+            let ways = || self.poses.iter().filter_map(|(time, poses)| Some((*time, *poses.get(i)?)));
+            if ways().any(|(time, pose)| !is_near(&body.motion.at(time), &pose)) {
+                body.motion = ways().map(|(time, pose)| Keyframe::posed(time, pose)).collect::<Vec<_>>().into();
+            }
+        }
         write_scene(&scene, &self.folder.join(SCENE))
     }
 
@@ -90,6 +101,11 @@ impl Film {
     pub(crate) fn written(&self) -> u64 {
         self.written
     }
+}
+
+/// Whether poses are one up to rounding \[m\], \[rad\].
+fn is_near(a: &Pose, b: &Pose) -> bool {
+    a.translation.distance(b.translation) < 1e-9 && a.rotation.angle_between(b.rotation) < 1e-6
 }
 
 /// Writes the scene that the simulation began with, and all changes since.

@@ -257,7 +257,7 @@ fn the_pointer_says_what_it_is_over() {
     assert!(differing(&before, &pointed) > 2000, "{} pixels differ", differing(&before, &pointed));
 }
 
-/// A body that is dragged with Shift goes where the pointer goes, as time passes.
+/// A body that is dragged with Shift goes where the pointer goes, as time passes, in a film too.
 #[test]
 fn a_body_is_dragged() {
     let out = tempfile::tempdir().unwrap();
@@ -292,9 +292,11 @@ fn a_body_is_dragged() {
         window.step();
     }
     // The camera stays, and so does the ball until time passes.
+    press(&mut window, "Record film");
     press(&mut window, "Play");
     wait(&mut window, "100 steps", |window| steps(window) >= 100);
     press(&mut window, "Pause");
+    press(&mut window, "End film");
     wait(&mut window, "a pause", |window| window.query_by_role_and_label(Role::Button, "Play").is_some());
     press(&mut window, "Checkpoint");
     let saved = out.path().join("checkpoint-1.windswept");
@@ -308,6 +310,14 @@ fn a_body_is_dragged() {
     };
     let moved = mean(&after) - mean(&before);
     assert!((-150.0..-60.0).contains(&moved), "it moved by {moved} pixels");
+    // The film's scene has the way of the ball: what is made of the film shows it.
+    let filmed = Scene::load(out.path().join("film-1/scene.toml")).unwrap();
+    let keyframes = filmed.bodies[0].motion.keyframes.clone();
+    let way = keyframes.last().unwrap().translation[0] - keyframes[0].translation[0];
+    assert!(
+        keyframes.len() > 5 && keyframes[0].translation == [0.0; 3] && (-0.1..-0.01).contains(&way),
+        "{keyframes:?}"
+    );
 }
 
 /// Strands and air take the colours of their values, each with a scale that names its unit, and go back to none.

@@ -49,8 +49,8 @@ Commands:
   fuzz     read mutants of the files in fuzz/corpus, a minute per kind of file; `fuzz SECONDS`
            for another time
   mutants  make small faults in the code, one at a time, and write which no test notices into
-           docs/lab/mutants.md, an hour and more; `mutants scene 3/16` for one part
-           and another sixteenth of its mutants
+           docs/lab/mutants.md, an hour and more; `mutants scene 3/16` takes one crate
+           and the third sixteenth of its mutants
   new      `new pass STAGE/NAME`, `new key TABLE.NAME`, `new format NAME` write the skeleton of
            something new in all its places; its test fails and says what to write
   package  build the crates and the Python package as they would be published, and try the wheel in

@@ -77,7 +77,7 @@ pub(crate) enum Asked<'a> {
 /// The word that `--formats` takes beside the names of formats.
 const NONE: &str = "none";
 
-fn format(word: &str) -> Result<String, String> {
+pub(super) fn format(word: &str) -> Result<String, String> {
     if word == NONE || Format::of_run(word).is_some() {
         return Ok(word.to_owned());
     }

@@ -47,6 +47,13 @@ impl ViewOptions {
             }
             return Ok(What::Checkpoint(path));
         }
+        if path.extension().is_some_and(|ending| ending == "vtkhdf") {
+            let folder = path.parent().unwrap_or(path).display();
+            return Err(Failure::Input(format!(
+                "{}: expected the folder that the film is in, {folder}",
+                path.display()
+            )));
+        }
         Ok(What::Scene(Box::new(self.changes.load(path)?)))
     }
 }

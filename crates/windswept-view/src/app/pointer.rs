@@ -101,7 +101,7 @@ impl App {
                 ui.painter().with_clip_rect(rect).circle_stroke(mark, 4.0, (1.5, Color32::WHITE));
             }
             let mut lines = vec![
-                format!("strand {}{id}, point {} of {points}", point.strand, point.point),
+                format!("strand {}{id}, point {} of 0 to {}", point.strand, point.point, points - 1),
                 format!("{x:.1}, {y:.1}, {z:.1} mm"),
             ];
             let values = match &self.source {
