@@ -290,21 +290,37 @@ fn check(gpu: &Gpu, base: &Scene, expected: &[u32], key: &str, value: &str, wron
     }
 }
 
-/// Each key of the common ones with each model, and those of other scenes.
-#[test]
-fn keys_act_or_have_a_warning() {
-    let gpu = support::gpu();
-    let mut wrong = Vec::new();
-    for model in [Model::TwoWay, Model::Particles, Model::Drag, Model::None] {
-        let base = Scene { interaction: Interaction { model: Some(model), ..Interaction::default() }, ..tuft() };
-        let expected = stepped(&mut Simulation::new(&gpu, &base).unwrap());
-        let mut found = Vec::new();
-        let felt = COMMON.iter().filter(|(key, _)| model != Model::Particles || !OUTSIDE.contains(key));
-        for (key, value) in felt {
-            check(&gpu, &base, &expected, key, value, &mut found);
-        }
-        wrong.extend(found.into_iter().map(|words| format!("{model:?}: {words}")));
+/// Each key of the common ones, with a model.
+fn check_common(model: Model) {
+    let (gpu, mut wrong) = (support::gpu(), Vec::new());
+    let base = Scene { interaction: Interaction { model: Some(model), ..Interaction::default() }, ..tuft() };
+    let expected = stepped(&mut Simulation::new(&gpu, &base).unwrap());
+    for (key, value) in COMMON.iter().filter(|(key, _)| model != Model::Particles || !OUTSIDE.contains(key)) {
+        check(&gpu, &base, &expected, key, value, &mut wrong);
     }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn keys_act_or_have_a_warning_with_model_two_way() {
+    check_common(Model::TwoWay);
+}
+
+#[test]
+fn keys_act_or_have_a_warning_with_model_particles() {
+    check_common(Model::Particles);
+}
+
+#[test]
+fn keys_act_or_have_a_warning_without_particles() {
+    check_common(Model::Drag);
+    check_common(Model::None);
+}
+
+/// The keys of other scenes.
+#[test]
+fn keys_of_other_scenes_act() {
+    let (gpu, mut wrong) = (support::gpu(), Vec::new());
     for (change, keys) in OTHERS {
         let mut base = tuft();
         change(&mut base);
