@@ -36,10 +36,11 @@ fn moved(time: f64, x: f64) -> Keyframe {
     Keyframe { translation: [x, 0.0, 0.0], ..Keyframe::new(time) }
 }
 
-/// Hair on a ball, in a wind.
+/// Hair on a ball, in a wind, behind the fringe.
 fn tuft(model: Model, wind: f64) -> Scene {
     let hair = Hair::drawn(30, 13, LENGTH, Roots::cap([0.06, 0.08, 0.04], 0.02).toward([0.0, 1.0, 0.0]));
-    let air = Air { ramp: 0.0, spacing: 8e-3, ..Air::filling([0.2, 0.18, 0.08]).wind([wind, 0.0, 0.0]) };
+    let air =
+        Air { ramp: 0.0, spacing: 8e-3, fringe: Some(0.035), ..Air::filling([0.2, 0.18, 0.08]).wind([wind, 0.0, 0.0]) };
     let mut scene = support::in_wind(1.38e-3, air, [Hair { body: Some("head".into()), ..hair }]);
     scene.interaction.model = Some(model);
     scene.bodies = vec![Body::sphere([0.06, 0.08, 0.04], 0.02).named("head")];
@@ -49,12 +50,12 @@ fn tuft(model: Model, wind: f64) -> Scene {
 /// A head that moves steadily in still air, and the box with it, equals one at rest in a wind.
 #[test]
 fn a_head_that_moves_equals_one_in_a_wind() {
-    for (model, bound) in [(Model::Drag, 1e-4), (Model::TwoWay, 2e-2)] {
+    for model in [Model::Drag, Model::TwoWay] {
         let mut moves = tuft(model, 0.0);
         moves.bodies[0].motion = [moved(0.0, 0.0), moved(10.0, -10.0 * SPEED)].into();
         moves.air = moves.air.map(|air| Air { follows: Some("head".into()), ..air });
         let mut rests = tuft(model, SPEED);
-        // Roots with keyframes, as in the other scene: rounding alone has two-way hair 2e-2 L elsewhere after 0.5 s.
+        // Roots with keyframes, as in the other scene: both round alike.
         rests.bodies[0].motion = [moved(0.0, 0.0)].into();
         let (mut moves, mut rests) = (start(&moves), start(&rests));
         let steps = (0.5 / moves.dt()).round() as u64;
@@ -69,7 +70,8 @@ fn a_head_that_moves_equals_one_in_a_wind() {
         let off = apart(&tips(&a[0]), &tips(&b[0]));
         let swung = apart(&tips(&b[0]), &tips(&vectors(&rests.hair_at_start().positions)));
         println!("{model:?}: tips off by {:.1e} L, of {:.2} L", off / LENGTH, swung / LENGTH);
-        assert!(off < bound * LENGTH && swung > 0.2 * LENGTH, "{model:?}: {off} m");
+        // Measured 2.2e-7 L with both; with particles 4.8 mm apart air is so lively that rounding makes 2e-2 L of it.
+        assert!(off < 1e-5 * LENGTH && swung > 0.2 * LENGTH, "{model:?}: {off} m");
     }
 }
 

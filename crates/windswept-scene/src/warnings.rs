@@ -53,7 +53,7 @@ const MUCH_BUOYANCY: f64 = 0.01;
 /// beyond on either side.
 const RADII: std::ops::RangeInclusive<f64> = 1e-6..=2e-3;
 const MODULI: std::ops::RangeInclusive<f64> = 1e7..=1e11;
-/// Longest hair without a warning \[m\]; a braid of 5.6 m is on record.
+/// Longest hair without a warning \[m\].
 const LONGEST: f64 = 10.0;
 /// Fastest wind without a warning \[m/s\]: beyond a Mach number of 0.3 air is compressed.
 const FASTEST: f64 = 100.0;
@@ -325,7 +325,7 @@ pub(crate) fn of_roots(scene: &SceneValues, hair: &Strands, bodies: &[CheckedSha
     each.collect()
 }
 
-/// Warnings of fibres that are unlike hair, often by another unit, and of a run without a step.
+/// Warnings of hair and winds that there are not, often by another unit, and of a run without a step.
 pub(crate) fn of_numbers(scene: &SceneValues) -> Vec<Warning> {
     let mut warnings = Vec::new();
     let time = &scene.time;
@@ -333,7 +333,8 @@ pub(crate) fn of_numbers(scene: &SceneValues) -> Vec<Warning> {
         let text = format!("{} s are less than half a step of {} s: a run takes none", time.duration, time.step);
         warnings.push(Warning::new("no_steps", "time.duration", text));
     }
-    let wind = scene.largest_wind();
+    // Force fields have their own keys.
+    let wind = scene.air.as_ref().map_or(0.0, CheckedAir::largest_wind);
     if wind > FASTEST {
         let text = format!("blows at {wind} m/s: beyond {FASTEST} m/s air is compressed, here it is not");
         warnings.push(Warning::new("fast_wind", "air.wind", text));
