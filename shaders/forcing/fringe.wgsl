@@ -10,14 +10,14 @@
 //       frozen turbulence (Taylor 1938), solenoidal
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, status::frozen, wind::{mean_wind, wind_before},
-    inflow::{incoming_velocity, rate_at},
+    inflow::rate_at,
 };
 
 @group(0) @binding(2) var<storage, read>       position:    array<vec4f>;
-@group(0) @binding(3) var<storage, read>       velocity:    array<vec4f>;
 // sums over air of the term of `forcing/fringe_deficit` [m/s^2]; w: of sigma [1/s]
 @group(0) @binding(5) var<storage, read>       fringe_deficit:      array<vec4f>;
-@group(0) @binding(6) var<storage, read_write> wind_change: array<vec4f>;           // m/s, of this step
+// m/s: in the fringe the deficit U + u' - v - dU of `forcing/fringe_deficit`, then the change of this step
+@group(0) @binding(6) var<storage, read_write> wind_change: array<vec4f>;
 
 // L: deficit of the air in the fringe to the wind, along the wind. Given to all air, it keeps up the flow through the
 // box.
@@ -32,10 +32,9 @@ fn wind_deficit() -> vec3f {
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = params.hair_points + invocation(id, groups);
     if (i >= params.particles) | frozen() { return; }
-    let place = position[i].xyz;
-    let change = mean_wind() - wind_before() + wind_deficit();
-    let rate = rate_at(place);
+    let given = wind_deficit();
+    let rate = rate_at(position[i].xyz);
     var drawn = vec3f(0.0);
-    if rate > 0.0 { drawn = (1.0 - exp(-rate * params.step)) * (incoming_velocity(place) - velocity[i].xyz - change); }
-    wind_change[i] = vec4f(change + drawn, 0.0);
+    if rate > 0.0 { drawn = (1.0 - exp(-rate * params.step)) * (wind_change[i].xyz - given); }
+    wind_change[i] = vec4f(mean_wind() - wind_before() + given + drawn, 0.0);
 }

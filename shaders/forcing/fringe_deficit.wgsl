@@ -1,6 +1,6 @@
-// Sums the deficit of the air in the fringe to the wind, over the particles of each workgroup, in a fixed order.
+// Deficit of the air in the fringe to the wind, of each particle and summed over those of each workgroup, in a fixed order.
 //
-//   sum_i sigma_i (U + u' - v_i - (U(t + dt) - U(t))),  and sum_i sigma_i
+//   d_i = U + u' - v_i - (U(t + dt) - U(t));  sum_i sigma_i d_i,  and sum_i sigma_i
 import package::common::{
     dispatch::WORKGROUP, terms::sum_terms, status::finite3, wind::{mean_wind, wind_before},
     inflow::{incoming_velocity, rate_at},
@@ -8,16 +8,19 @@ import package::common::{
 
 @group(0) @binding(2) var<storage, read> position: array<vec4f>;
 @group(0) @binding(3) var<storage, read> velocity: array<vec4f>;
+@group(0) @binding(6) var<storage, read_write> wind_change: array<vec4f>;   // m/s: d, for `forcing/fringe`
 
 // xyz [m/s^2], w: [1/s].
 fn term(i: u32) -> mat2x4f {
     let place = position[i].xyz;
     let rate = rate_at(place);
-    let v = velocity[i].xyz;
-    // Air that is not finite ends the run; left out of the sum, it does not spread to all other air.
-    if rate <= 0.0 || !finite3(v) { return mat2x4f(); }
+    if rate <= 0.0 { return mat2x4f(); }
     let change = mean_wind() - wind_before();
-    return mat2x4f(rate * vec4f(incoming_velocity(place) - v - change, 1.0), vec4f(0.0));
+    let deficit = incoming_velocity(place) - velocity[i].xyz - change;
+    wind_change[i] = vec4f(deficit, 0.0);
+    // Air that is not finite ends the run; left out of the sum, it does not spread to all other air.
+    if !finite3(deficit) { return mat2x4f(); }
+    return mat2x4f(rate * vec4f(deficit, 1.0), vec4f(0.0));
 }
 
 @compute @workgroup_size(WORKGROUP)

@@ -143,7 +143,7 @@ pub const FAULTS: &[Fault] = &[
     (&shaders::forcing::HAIR_DRIFT, LIGHT_HAIR, &[16]),
     (&shaders::forcing::FRINGE_DEFICIT, PARTICLES, &[12]),
     (&shaders::reduce::TOTAL, &["turbulence={bands=[]}"], &[1]),
-    (&shaders::forcing::FRINGE, PARTICLES, &[7, 87]),
+    (&shaders::forcing::FRINGE, PARTICLES, &[7, 59]),
     (&shaders::forcing::FIELD_STRENGTHS, FIELDS, &[38]),
     (&shaders::forcing::DRIVE_AIR, FIELDS, &[17]),
     (&shaders::forcing::PUSH_AIR, PUSHED, &[9]),
