@@ -13,20 +13,20 @@ struct Cleared {
     near: Nearest,   // the surface that is nearest then
 }
 
-// Air that would be at a place, which may be of another image of the box.
-fn cleared(place: vec3f) -> Cleared {
-    let at = wrap(place);
+// A particle that would be at a place: air, whose place may be of another image of the box, or hair, which stays.
+fn cleared(place: vec3f, is_air: bool) -> Cleared {
+    let at = select(place, wrap(place), is_air);
     var x = at;
-    var near = nearest(x, false);
-    var moved = false;
-    for (var round = 0u; round < ROUNDS; round++) {
-        let gap = near.distance - select(0.0, CLEARANCE * params.spacing, 2u * round < ROUNDS);
-        if gap >= 0.0 { break; }
-        x -= gap * near.normal;
+    var near = Nearest();
+    var round = 0u;
+    loop {
         near = nearest(x, false);
-        moved = true;
+        let gap = near.distance - select(0.0, CLEARANCE * params.spacing, 2u * round < ROUNDS);
+        if !is_air || gap >= 0.0 || round == ROUNDS { break; }
+        x -= gap * near.normal;
+        round++;
     }
-    return Cleared(place + (x - at), moved, near);
+    return Cleared(place + (x - at), round > 0u, near);
 }
 
 // The wall to a particle of this speed.

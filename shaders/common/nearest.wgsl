@@ -15,21 +15,26 @@ struct Nearest {
 
 // The nearest surface to a place after the step, or to a place before it.
 fn nearest(x: vec3f, before: bool) -> Nearest {
-    var found = here(x, before);
-    for (var axis = 0u; axis < 3u; axis++) {
-        let is_low = x[axis] < 0.5 * params.box_size[axis];
-        let depth = select(params.box_size[axis] - x[axis], x[axis], is_low);
-        if depth >= params.kernel_radius { continue; }
+    var found = Nearest(vec3f(), 3.4e38, vec3f(), 0u);
+    // From the place itself, then from its feet. The call stands here once, as drivers inline it.
+    for (var k = 0u; k <= 3u; k++) {
         var foot = x;
-        foot[axis] = select(0.0, params.box_size[axis], is_low);
-        var other = here(foot, before);
-        var way = max(other.distance, 0.0) * other.normal;
-        way[axis] += select(-depth, depth, is_low);
-        other.distance = length(way);
-        if other.distance < found.distance && other.distance > 0.0 {
-            other.normal = way / other.distance;
-            found = other;
+        var depth = vec3f(0.0);
+        if k > 0u {
+            let axis = k - 1u;
+            let is_low = x[axis] < 0.5 * params.box_size[axis];
+            depth[axis] = select(x[axis] - params.box_size[axis], x[axis], is_low);
+            if abs(depth[axis]) >= params.kernel_radius { continue; }
+            foot[axis] = select(0.0, params.box_size[axis], is_low);
         }
+        var other = here(foot, before);
+        if k > 0u {
+            let way = max(other.distance, 0.0) * other.normal + depth;
+            other.distance = length(way);
+            if other.distance == 0.0 { continue; }
+            other.normal = way / other.distance;
+        }
+        if other.distance < found.distance { found = other; }
     }
     return found;
 }

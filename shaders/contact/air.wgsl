@@ -21,7 +21,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let constrained = i < params.constrained;
     // Solver pbf has no pressure, and its air no wall yet.
     if !constrained && wall[i].distance > NEAR * params.spacing { return; }
-    let found = cleared(predicted[i].xyz);
+    let found = cleared(predicted[i].xyz, true);
     let near = found.near;
     var slip = new_velocity[i].xyz - near.velocity;
     let before = slip;

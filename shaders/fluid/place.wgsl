@@ -18,7 +18,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let inside = min(x, params.box_size - x);
     let is_near = (wall[i].distance < FAR * params.spacing) | any(inside < vec3f(params.kernel_radius));
     if BODIES && is_near {
-        let found = cleared(x);
+        let found = cleared(x, true);
         x = found.x;
         wall[i] = wall_of(found.near, length(new_velocity[i].xyz));
     }

@@ -1,6 +1,6 @@
 // The wall at each particle that pressure acts on, once air is moved out of bodies, which its velocity never sees.
 import package::common::{
-    params::params, dispatch::{invocation, WORKGROUP}, cells::is_air, pressure::flows, nearest::{Nearest, nearest},
+    params::params, dispatch::{invocation, WORKGROUP}, cells::is_air, pressure::flows,
     clearance::{cleared, wall_of}, wall::Wall, status::frozen,
 };
 
@@ -13,13 +13,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let i = invocation(id, groups);
     if (i >= params.particles) | frozen() { return; }
     if !flows(i) { return; }
-    var near = Nearest();
-    if is_air(i) {
-        let found = cleared(predicted[i].xyz);
-        near = found.near;
-        predicted[i] = vec4f(found.x, predicted[i].w);
-    } else {
-        near = nearest(predicted[i].xyz, false);
-    }
-    wall[i] = wall_of(near, length(new_velocity[i].xyz));
+    let found = cleared(predicted[i].xyz, is_air(i));
+    predicted[i] = vec4f(found.x, predicted[i].w);
+    wall[i] = wall_of(found.near, length(new_velocity[i].xyz));
 }

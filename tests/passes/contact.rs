@@ -155,9 +155,9 @@ pub fn stands(w: &Scratch) -> Vec<[u32; 4]> {
 pub const FAULTS: &[Fault] = &[
     (&shaders::forcing::BODIES, BODIES, &[14]),
     (&shaders::rods::CONTACTS, BODIES, &[112, 15]),
-    (&shaders::rods::SOLVE, BODIES, &[1316]),
-    (&shaders::rods::SOLVE, THIN_BODY, &[765, 785]),
-    (&shaders::contact::AIR, BODIES, &[116]),
+    (&shaders::rods::SOLVE, BODIES, &[1776]),
+    (&shaders::rods::SOLVE, THIN_BODY, &[783, 797]),
+    (&shaders::contact::AIR, BODIES, &[124]),
     (&shaders::contact::AIR, WALLS, &[35]),
     (&shaders::contact::BODY_IMPULSE, WALLS, &[14]),
 ];
