@@ -94,6 +94,10 @@ struct Pin {
 const AT_PLACE: u32 = 1u;   // it goes there within a step of the host
 const ON_BODY: u32 = 2u;
 
+// Whether a point is pinned or a tip held, and whether a strand's root is not held: switches (`shaders/src/lib.rs`).
+override PINS: bool = true;
+override LOOSE: bool = true;
+
 // A strand within a step.
 struct RodStrand {
     strand: Strand,             // for `rods/solve`, which has no binding left for it

@@ -16,7 +16,7 @@ import package::common::{
     integration::{KINEMATIC, HOLD, EULER, free_move, response}, rest::RESTING_STEPS, load::damping_of,
     rod::{
         Strand, Segment, RodStrand, RodPoint, RodSegment, SegmentHistory, FREE, SOLVED, TELEPORTED, ASLEEP, SLEEPS,
-        NO_PIN, AT_PLACE, TIP_HELD, WHOLE, TURN, clamped,
+        PINS, NO_PIN, AT_PLACE, TIP_HELD, WHOLE, TURN, clamped,
     },
     validity::{FAR, FAST, within},
     status::{status, frozen, freeze, count, EULER_STEP, SLEEPING_STEP, TELEPORT, UNRECOVERED_STRAND},
@@ -71,6 +71,7 @@ struct Pins {
 fn pull(strand: Strand) -> Pins {
     let left = params.substeps - status.step % params.substeps;
     var pins = Pins(NO_PIN, 0.0);
+    if !PINS { return pins; }
     if (strand.joints & TIP_HELD) != 0u { pins.last = strand.points - 1u; }
     for (var done = 1u; done <= strand.points; done++) {
         let k = strand.points - done;
@@ -135,7 +136,7 @@ fn place(strand: Strand, rod: RodStrand, at_rest: bool, sleeps: bool) {
         offset += chord_of(p);
         rest += segments[j].rest_length * tangent(frame);
         let end = select(rotate(rod.root_turn, offset), rest, at_rest);
-        let stays = at_rest & ((strand.joints & TIP_HELD) != 0u) & (k + 2u == strand.points);
+        let stays = PINS & at_rest & ((strand.joints & TIP_HELD) != 0u) & (k + 2u == strand.points);
         displacement = select(rod.root_displacement + end - offset, rod.tip_displacement, stays);
     }
 }
@@ -155,19 +156,20 @@ fn set_off(strand: Strand, rod: RodStrand) {
     let scheme = rod.scheme;
     // Hair that comes out of a body gathers no speed.
     let keeps = f32(rod.comes_out == 0u);
-    var here = rod_points[strand.first_point];
-    var displacement = select(params.step * keeps * here.velocity, rod.root_displacement, here.inverse_mass == 0.0);
+    let root = rod_points[strand.first_point];
+    var displacement = select(params.step * keeps * root.velocity, rod.root_displacement, root.inverse_mass == 0.0);
     var shift = vec3f(0.0);   // m, of the points beyond the segments that were made whole
     for (var k = 0u; k < strand.points; k++) {
         let p = strand.first_point + k;
+        let here = rod_points[p];
         let held = here.inverse_mass == 0.0;
         let damping = damping_of(here);
         let acceleration = here.weight * params.gravity + here.inverse_mass * here.force;
         let moves = free_move(keeps * here.velocity, keeps * here.before, keeps * here.previous_move, acceleration,
             damping, scheme);
-        let free = select(moves, select(rod.tip_displacement - shift, rod.root_displacement, k == 0u), held);
+        let free = select(moves, select(rod.tip_displacement - shift, rod.root_displacement, !PINS || k == 0u), held);
         rod_points[p].free = free;
-        rod_points[p].pin = select(here.pin - shift, free, held);
+        if PINS { rod_points[p].pin = select(here.pin - shift, free, held); }
         rod_points[p].effective_inverse_mass = response(damping, scheme) * here.inverse_mass;
         rod_points[p].displacement = select(free, displacement, direct);
         rod_points[p].scheme = scheme;
@@ -206,7 +208,6 @@ fn set_off(strand: Strand, rod: RodStrand) {
         segment.scheme = scheme;
         segment.rest_drift = history.rest_drift;
         rod_segments[j] = segment;
-        here = next;
     }
 }
 

@@ -26,8 +26,8 @@ import package::common::{
     contact::{RECOVERY, UNEASY},
     touch::{Touch, rod_points, segments, foresee, foresee_segment, leave, push_point, push_segment, touch},
     rod::{
-        Strand, RodStrand, RodPoint, RodSegment, FREE, SOLVED, ROOT_JOINT, TIP_JOINT, ROOT_HELD, TIP_HELD, WHOLE, TURN,
-        clamped,
+        Strand, RodStrand, RodPoint, RodSegment, PINS, LOOSE, FREE, SOLVED, ROOT_JOINT, TIP_JOINT, ROOT_HELD, TIP_HELD,
+        WHOLE, TURN, clamped,
     },
 };
 
@@ -56,7 +56,7 @@ struct Eliminated {
 // Adds a pin nearer to the root than the strand's last: a spring, and the force that it had in the step before.
 fn pin_point(beyond: Beyond, point: RodPoint) -> Beyond {
     var sum = beyond;
-    if point.pinned == 0u { return sum; }
+    if !PINS || point.pinned == 0u { return sum; }
     let k = PIN / point.effective_inverse_mass;
     sum.own.diagonal += vec3f(k);
     sum.force += k * (point.displacement - point.pin) + point.pin_force;
@@ -87,7 +87,7 @@ fn eliminate(strand: Strand, rod: RodStrand, change: vec3f) -> Eliminated {
         beyond.own.diagonal += vec3f(mass);
         beyond.force += mass * (point.displacement - point.free);
         beyond = push_point(pin_point(beyond, point), rod, strand.first_point + k + 1u);
-        if k + 1u == rod.pin {
+        if PINS && k + 1u == rod.pin {
             holds = true;
             beyond.held = ONE;
             beyond.force += rod.pin_force + change;
@@ -125,7 +125,7 @@ fn eliminate(strand: Strand, rod: RodStrand, change: vec3f) -> Eliminated {
     }
     let root = rod_points[strand.first_point];
     var root_move = vec3f(0.0);
-    if root.effective_inverse_mass > 0.0 {
+    if LOOSE && root.effective_inverse_mass > 0.0 {
         beyond.own.diagonal += vec3f(1.0 / root.effective_inverse_mass);
         beyond.force += (root.displacement - root.free) / root.effective_inverse_mass;
         beyond = push_point(pin_point(beyond, root), rod, strand.first_point);
@@ -233,11 +233,12 @@ fn crawl(strand: Strand, rod: RodStrand) {
 // A strand without clamp, pin or contact keeps its momentum to rounding. The gap that the solve leaves to a held tip is
 // spread over the points.
 fn finish(strand: Strand, rod: RodStrand, touches: bool) {
+    if !(PINS || LOOSE) { return; }
     let last = strand.first_point + strand.points - 1u;
     var shift = vec3f(0.0);    // m, of all points,
     var spread = vec3f(0.0);   // and of the tip
-    if (strand.joints & TIP_HELD) != 0u { spread = rod_points[last].free - rod_points[last].displacement; }
-    if (strand.joints & (ROOT_HELD | TIP_HELD)) == 0u && !touches && rod.pin >= strand.points {
+    if PINS && (strand.joints & TIP_HELD) != 0u { spread = rod_points[last].free - rod_points[last].displacement; }
+    if LOOSE && (strand.joints & (ROOT_HELD | TIP_HELD)) == 0u && !touches && rod.pin >= strand.points {
         var momentum = vec4f(0.0);
         for (var p = strand.first_point; p <= last; p++) {
             momentum += vec4f(rod_points[p].free - rod_points[p].displacement, 1.0)
@@ -247,12 +248,33 @@ fn finish(strand: Strand, rod: RodStrand, touches: bool) {
     }
     for (var k = 0u; k < strand.points; k++) {
         let point = rod_points[strand.first_point + k];
-        if (point.pinned != 0u) & (rod.state == SOLVED) {
+        if PINS && point.pinned != 0u && rod.state == SOLVED {
             rod_points[strand.first_point + k].pin_force += PIN / point.effective_inverse_mass
                 * (point.displacement - point.pin);
         }
         rod_points[strand.first_point + k].displacement += shift + f32(k) / f32(strand.points - 1u) * spread;
     }
+}
+
+// Takes a Newton step. Returns the largest turn of a frame [rad], change of a strain, or part of the strand's length
+// that its pin is off.
+fn newton_step(strand: Strand, rod: ptr<function, RodStrand>, is_pinned: bool) -> f32 {
+    // A step takes two eliminations where the strand is pinned: the first finds the force that holds it.
+    var eliminated = Eliminated();
+    for (var left = select(1u, 2u, is_pinned); left > 0u; left--) {
+        eliminated = eliminate(strand, *rod, eliminated.pin_force);
+    }
+    var step = 1.0;
+    if is_pinned { step = part_of(strand, eliminated.root_move); }
+    var most = substitute(strand, *rod, eliminated.root_move, step);
+    (*rod).pin_force += step * eliminated.pin_force;
+    if is_pinned {
+        let pinned = rod_points[strand.first_point + (*rod).pin];
+        most = max(most, length(pinned.displacement - pinned.pin) / strand.length);
+    }
+    if (*rod).newton == 0u { (*rod).settled = max(SETTLED, RELATIVE * most); }
+    (*rod).newton++;
+    return most;
 }
 
 @compute @workgroup_size(WORKGROUP)
@@ -262,39 +284,42 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     var rod = rod_strands[s];
     if rod.state != FREE || rod.newton == params.newton_steps { return; }
     let strand = rod.strand;
+    let is_pinned = PINS && rod.pin < strand.points;
     var now = Touch();
-    if rod.newton == 0u { now = touch(strand, rod, true, false); }
-    // A step takes two eliminations where the strand is pinned: the first finds the force that holds it.
-    let first = select(1u, 0u, rod.pin < strand.points);
-    for (var part = 0u; part < params.newton_part && rod.newton < params.newton_steps; part++) {
-        var eliminated = Eliminated();
-        for (var elimination = first; elimination < 2u; elimination++) {
-            eliminated = eliminate(strand, rod, eliminated.pin_force);
+    var most = 0.0;
+    // In front of a step's first Newton step contacts are found.
+    var starts = rod.newton == 0u;
+    for (var left = params.newton_part; starts || (left > 0u && rod.newton < params.newton_steps);) {
+        if !starts {
+            most = newton_step(strand, &rod, is_pinned);
+            left--;
         }
-        var step = 1.0;
-        if first == 0u { step = part_of(strand, eliminated.root_move); }
-        var most = substitute(strand, rod, eliminated.root_move, step);
-        rod.pin_force += step * eliminated.pin_force;
-        if first == 0u {
-            let pinned = rod_points[strand.first_point + rod.pin];
-            most = max(most, length(pinned.displacement - pinned.pin) / strand.length);
+        // A step that settles renews the forces of contacts that lag, once. The call stands here once, as drivers
+        // inline it.
+        var settles = false;
+        var renews = false;
+        loop {
+            now = touch(strand, rod, starts, renews);
+            if renews { break; }
+            settles = !starts && most < rod.settled && !now.changed;
+            renews = settles && now.lags;
+            if !renews { break; }
         }
-        if rod.newton == 0u { rod.settled = max(SETTLED, RELATIVE * most); }
-        rod.newton++;
-        now = touch(strand, rod, false, false);
-        if most < rod.settled && !now.changed {
-            if !now.lags {
-                rod.state = SOLVED;
-                break;
-            }
-            now = touch(strand, rod, false, true);
+        if settles && !renews {
+            rod.state = SOLVED;
+            break;
         }
-        rod.steep = u32(most > TURN || (now.touches && (now.changed || most > UNEASY)));
+        rod.steep = u32(!starts && (most > TURN || (now.touches && (now.changed || most > UNEASY))));
+        starts = false;
     }
     if rod.state == SOLVED || rod.newton == params.newton_steps {
         if BODIES && rod.comes_out != 0u { crawl(strand, rod); }
         finish(strand, rod, now.touches);
         if BODIES && rod.meets != 0u { leave(strand, rod, rod.state == SOLVED); }
     }
-    rod_strands[s] = rod;
+    rod_strands[s].state = rod.state;
+    rod_strands[s].newton = rod.newton;
+    rod_strands[s].steep = rod.steep;
+    rod_strands[s].settled = rod.settled;
+    rod_strands[s].pin_force = rod.pin_force;
 }

@@ -16,8 +16,12 @@ pub enum Switch {
     Inflow,
     /// Keyframes of roots or bodies (`shaders/common/motion.wgsl`).
     Keyframes,
+    /// A strand whose root is not held (`shaders/common/rod.wgsl`).
+    Loose,
     /// A body that is a mesh (`shaders/common/body.wgsl`).
     Meshes,
+    /// A point that is pinned, or a tip that is held (`shaders/common/rod.wgsl`).
+    Pins,
 }
 
 impl Switch {
@@ -29,7 +33,9 @@ impl Switch {
             Self::Deforms => "DEFORMS",
             Self::Inflow => "INFLOW",
             Self::Keyframes => "KEYFRAMES",
+            Self::Loose => "LOOSE",
             Self::Meshes => "MESHES",
+            Self::Pins => "PINS",
         }
     }
 }

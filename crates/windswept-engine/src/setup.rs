@@ -60,6 +60,10 @@ impl<'a> Setup<'a> {
         let sort = Sort::new(&params);
         let grids = || meshes.grids.iter().map(|grid| Sort::new(&params::with_cells(&params, *grid)));
         let sorts = || std::iter::once(sort).chain(grids());
+        let hair = &initial.hair;
+        let free = |point: &usize| hair.inverse_mass[*point] > 0.0;
+        let roots = || (0..hair.len()).map(|s| hair.points(s).start);
+        let tips = || (0..hair.len()).map(|s| hair.points(s).end - 1);
         let sizes = Sizes {
             particles: params.particles,
             hair_points: params.hair_points,
@@ -87,6 +91,8 @@ impl<'a> Setup<'a> {
             wind_table: wind_table.len() as u32,
             frame_table: frame_table.len() as u32,
             waves: waves.len() as u32,
+            loose: roots().filter(free).count() as u32,
+            pins: (initial.pins.len() + tips().filter(|tip| !free(tip)).count()) as u32,
             fields: fields.fields.len() as u32,
             field_keys: fields.keyframes.len() as u32,
             pushed: 0,

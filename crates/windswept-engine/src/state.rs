@@ -98,6 +98,10 @@ pub struct Sizes {
     pub frame_table: u32,
     /// Waves of the inflow.
     pub waves: u32,
+    /// Strands whose root is not held.
+    pub loose: u32,
+    /// Hair points that are pinned, and tips that are held; all hair points once a caller has set pins.
+    pub pins: u32,
     /// Force fields.
     pub fields: u32,
     /// Keyframes of the strengths of all force fields.
@@ -159,7 +163,9 @@ impl Sizes {
             Switch::Deforms => self.deforming > 0,
             Switch::Inflow => self.waves > 0,
             Switch::Keyframes => self.keyframes > 0,
+            Switch::Loose => self.loose > 0,
             Switch::Meshes => self.distances > 0,
+            Switch::Pins => self.pins > 0,
         }
     }
 

@@ -299,6 +299,10 @@ impl Checkpoint {
             }
             engine.write_bytes(array, bytes)?;
         }
+        if engine.read(&engine.state().pins)?.iter().any(|pin| pin.held != 0) {
+            simulation.look_for_pins()?;
+        }
+        let engine = &simulation.engine;
         simulation.last = engine.status()?;
         if simulation.last.causes != 0 {
             // An error that ended the run is found anew if it persists.

@@ -92,7 +92,13 @@ impl Simulation {
             pins[point] = rods::pin(*place - origin);
         }
         self.was_set = true;
-        Ok(self.engine.write(&self.engine.state().pins, &pins)?)
+        self.engine.write(&self.engine.state().pins, &pins)?;
+        Ok(self.look_for_pins()?)
+    }
+
+    /// Lets the step look for pins, which it does not where the scene has none.
+    pub(super) fn look_for_pins(&mut self) -> Result<(), GpuError> {
+        if self.engine.look_for_pins() { self.record_again() } else { Ok(()) }
     }
 
     fn is_root(&self, point: usize) -> bool {
