@@ -58,7 +58,7 @@ fn a_head_that_moves_equals_one_in_a_wind() {
         // Roots with keyframes, as in the other scene: both round alike.
         rests.bodies[0].motion = [moved(0.0, 0.0)].into();
         let (mut moves, mut rests) = (start(&moves), start(&rests));
-        let steps = (0.5 / moves.dt()).round() as u64;
+        let steps = (0.25 / moves.dt()).round() as u64;
         moves.step(steps).unwrap();
         rests.step(steps).unwrap();
         let velocity = DVec3::new(-SPEED, 0.0, 0.0);

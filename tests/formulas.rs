@@ -27,9 +27,10 @@ fn failing(rows: &[Row]) -> Vec<&str> {
 
 /// One test per check; none is left out.
 macro_rules! checks {
-    ($($test:ident: $name:literal),+ $(,)?) => {
+    ($($(#[$meta:meta])? $test:ident: $name:literal),+ $(,)?) => {
         $(
             #[test]
+            $(#[$meta])?
             fn $test() {
                 let rows = rows($name, &support::gpu());
                 assert!(failing(&rows).is_empty(), "{:?}", failing(&rows));
@@ -66,6 +67,7 @@ checks! {
     shear_waves_decay_as_xsph_says: "shear-wave",
     taylor_green_vortices_decay: "taylor-green",
     pressure_keeps_what_an_ideal_fluid_keeps: "pressure",
+    #[ignore = "long: 20 s of CPU time; tests/bodies.rs has air that flows around a ball"]
     air_knows_bodies: "bodies-in-air",
     momentum_is_kept: "momentum",
     what_air_loses_hair_receives: "coupled",
@@ -95,6 +97,7 @@ fn turn_rows_red(cases: &[Wrong]) {
 }
 
 #[test]
+#[ignore = "long: 8 s of CPU time"]
 fn wrong_constants_of_wind_turn_rows_red() {
     turn_rows_red(&[
         (&rods::DRAG, "FORM: f32 = 10.0", "FORM: f32 = 10.1", "drag"),
@@ -123,6 +126,7 @@ fn wrong_constants_of_wind_turn_rows_red() {
 }
 
 #[test]
+#[ignore = "long: 36 s of CPU time"]
 fn wrong_constants_of_strands_turn_rows_red() {
     turn_rows_red(&[
         (&forcing::ROOTS, "part * key.displacement", "1.001 * part * key.displacement", "wind"),
@@ -138,6 +142,7 @@ fn wrong_constants_of_strands_turn_rows_red() {
 }
 
 #[test]
+#[ignore = "long: 10 s of CPU time"]
 fn wrong_constants_of_air_turn_rows_red() {
     turn_rows_red(&[
         (&fluid::FRICTION, "min(own.friction, other.more.y)", "0.5 * own.friction", "friction"),

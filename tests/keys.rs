@@ -241,7 +241,7 @@ fn tuft() -> Scene {
     scene.hair = vec![Hair { motion: motion.clone(), ..Hair::drawn(20, 6, 0.04, roots).curled(0.002, 0.02) }];
     scene.bodies = vec![Body { motion, ..Body::sphere([0.045, 0.028, 0.029], 0.008).named("ball") }];
     let gust = [Gust { time: 0.0, velocity: [0.0; 3] }, Gust { time: 0.02, velocity: [1.0, 0.0, 0.5] }].into();
-    scene.air = Some(Air { ramp: 0.0, gust, ..Air::filling([0.1, 0.05, 0.05]).wind([2.0, 0.0, 0.0]) });
+    scene.air = Some(Air { ramp: 0.0, gust, ..Air::filling([0.08, 0.05, 0.05]).wind([2.0, 0.0, 0.0]) });
     scene.turbulence = Turbulence { intensity: Some(0.5), ..Turbulence::scale(0.008) };
     let jet = Force::jet([0.0, 0.02, 0.025], [1.0, 0.0, 0.0], 0.08, 1.0);
     scene.forces = vec![Force { name: "jet".to_owned(), radius: Some(0.02), ..jet }];

@@ -18,9 +18,10 @@ fn assert_holds(name: &str) {
 
 /// One test per stress; none is left out.
 macro_rules! stresses {
-    ($($test:ident: $name:literal),+ $(,)?) => {
+    ($($(#[$meta:meta])? $test:ident: $name:literal),+ $(,)?) => {
         $(
             #[test]
+            $(#[$meta])?
             fn $test() {
                 assert_holds($name);
             }
@@ -46,7 +47,9 @@ stresses! {
     bodies_may_be_fast: "bodies",
     dials_may_be_turned_too_far: "dials",
     sizes_may_be_absurd: "sizes",
+    #[ignore = "9000 steps: half a minute"]
     long_runs_stay_as_they_are: "long run",
+    #[ignore = "9000 steps of two models: half a minute"]
     other_long_runs_stay_as_they_are: "long runs of the other models",
     bits_are_the_same: "bits",
 }

@@ -185,7 +185,8 @@ fn a_list_in_pages_changes_no_bit() {
     let most = support::gpu().device().limits().max_storage_textures_per_shader_stage;
     let mut seen = Vec::new();
     // Hair and air that exchange drag, pressure and a band of eddies: passes over air alone, hair alone and both.
-    let quick = Scene::parse(include_str!("../../examples/scenes/quick.toml")).unwrap();
+    let mut quick = Scene::parse(include_str!("../../examples/scenes/quick.toml")).unwrap();
+    quick.time.substeps = 1;
     let whole = InitialState::new(&quick).unwrap();
     for (scene, initial) in [(quick, whole), (windy(), brush(4)), (support::scene(), clump)] {
         let (_, simulation) = run(&scene, &initial, &[3]);

@@ -143,6 +143,7 @@ fn ids_groups_and_guides_are_said() {
 fn a_groom_file_runs() {
     let folder = folder();
     let scene = "time = { step = 1e-3, duration = 2e-3 }\ninteraction = { model = \"none\" }\n\
+                 camera = { width = 160, height = 90 }\n\
                  [hair]\nfile = \"three.ply\"\nscale = 0.01\nup = \"z\"\n";
     fs::create_dir(folder.path().join("scenes")).expect("a folder");
     fs::write(folder.path().join("scenes/three.toml"), scene).expect("a scene");
