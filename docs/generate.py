@@ -67,7 +67,8 @@ def keys() -> str:
 
 
 def described(key: dict[str, object]) -> tuple[object, str, object]:
-    default = f"`{key['default']}`" if key["default"] is not None else key["follows"] or "needed"
+    needed = f"needed with {key['needed_with']}" if key["needed_with"] else "needed"
+    default = f"`{key['default']}`" if key["default"] is not None else key["follows"] or needed
     variants = [variant["name"].lower() for variant in key["variants"]] if not key["words"] else []
     of = f" (of {', '.join(variants)})" if variants else ""
     return key["expected"], str(default), f"{key['help']}{of}"

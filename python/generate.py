@@ -70,8 +70,8 @@ def add_table(path: str, name: str, doc: str, classes: dict[str, str]) -> tuple[
 
 def needed(own: dict[str, Any], tag: dict[str, Any]) -> dict[str, Any]:
     """A key of one table of a choice, which needs it if the choice says so."""
-    needs = [f"needed with {last(tag['path'])} {word}" for word in tag["words"]]
-    return {**own, "follows": None if own["follows"] in needs else own["follows"]}
+    choices = [f"{last(tag['path'])} {word}" for word in tag["words"]]
+    return {**own, "needed_with": None if own["needed_with"] in choices else own["needed_with"]}
 
 
 def class_of(name: str, path: str, doc: str, keys: list[dict[str, Any]], classes: dict[str, str], more: str) -> str:
@@ -84,10 +84,11 @@ def class_of(name: str, path: str, doc: str, keys: list[dict[str, Any]], classes
 
 def attribute(own: dict[str, Any], classes: dict[str, str]) -> str:
     name, kind, default, follows = last(own["path"]), own["kind"], own["default"], own["follows"]
+    may_be_absent = follows is not None or own["needed_with"] is not None
     value = json.loads(default or "null")
     default = json.dumps(value, ensure_ascii=False) if isinstance(value, str) else repr(value) if default else None
-    words = [f"default={default}"] if default else ["default=None"] if follows is not None else []
-    optional = " | None" if follows is not None else ""
+    words = [f"default={default}"] if default else ["default=None"] if may_be_absent else []
+    optional = " | None" if may_be_absent else ""
     sentences = [f"{own['help']}."]
     if kind in ("table", "tables"):
         tables = add_table(own["path"], own["table"], f"{own['help']}.", classes)
@@ -95,7 +96,7 @@ def attribute(own: dict[str, Any], classes: dict[str, str]) -> str:
         of = tables[0] if len(tables) == 1 else f"({', '.join(tables)})"
         if kind == "tables":
             got, taken, optional, words = f"list[{got}]", f"{taken} | Sequence[{taken}]", "", ["factory=list"]
-        elif own["path"] in PRESENT and follows is not None:
+        elif own["path"] in PRESENT and may_be_absent:
             optional, words = "", [f"factory={of}"]
         elif tables == ("Bounds",):
             taken += " | ArrayLike"
@@ -119,7 +120,9 @@ def attribute(own: dict[str, Any], classes: dict[str, str]) -> str:
     if default:
         sentences.append(f"Default {default}.")
     elif follows:
-        sentences.append(f"N{follows[1:]}." if follows.startswith("needed") else f"Without it: {follows}.")
+        sentences.append(f"Without it: {follows}.")
+    elif own["needed_with"]:
+        sentences.append(f"Needed with {own['needed_with']}.")
     elif follows is None:
         sentences.append("Needed.")
     line = f"    {name}: Key[{got}{optional}, {taken}{optional}] = key({', '.join(words)})\n"

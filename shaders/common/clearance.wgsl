@@ -1,4 +1,4 @@
-// Moves air out of bodies, to its clearance. Where two surfaces are near to one another, the clearance from one may
+// The surface that is nearest to a particle; air is moved out of bodies first, to its clearance. Where two surfaces are near to one another, the clearance from one may
 // lead into the other: in the last rounds air is moved no farther than out.
 import package::common::{
     params::params, cells::wrap, nearest::{Nearest, nearest}, wall::{Wall, gradient_beyond, path_beside},

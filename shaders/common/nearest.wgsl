@@ -19,17 +19,18 @@ fn nearest(x: vec3f, before: bool) -> Nearest {
     // From the place itself, then from its feet. The call stands here once, as drivers inline it.
     for (var k = 0u; k <= 3u; k++) {
         var foot = x;
-        var depth = vec3f(0.0);
+        var way_back = vec3f(0.0);
         if k > 0u {
             let axis = k - 1u;
             let is_low = x[axis] < 0.5 * params.box_size[axis];
-            depth[axis] = select(x[axis] - params.box_size[axis], x[axis], is_low);
-            if abs(depth[axis]) >= params.kernel_radius { continue; }
+            let depth = select(params.box_size[axis] - x[axis], x[axis], is_low);
+            if depth >= params.kernel_radius { continue; }
             foot[axis] = select(0.0, params.box_size[axis], is_low);
+            way_back[axis] = select(-depth, depth, is_low);
         }
         var other = here(foot, before);
         if k > 0u {
-            let way = max(other.distance, 0.0) * other.normal + depth;
+            let way = max(other.distance, 0.0) * other.normal + way_back;
             other.distance = length(way);
             if other.distance == 0.0 { continue; }
             other.normal = way / other.distance;

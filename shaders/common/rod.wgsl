@@ -94,9 +94,9 @@ struct Pin {
 const AT_PLACE: u32 = 1u;   // it goes there within a step of the host
 const ON_BODY: u32 = 2u;
 
-// Whether a point is pinned or a tip held, and whether a strand's root is not held: switches (`shaders/src/lib.rs`).
-override PINS: bool = true;
-override LOOSE: bool = true;
+// Switches (`shaders/src/lib.rs`).
+override PINS: bool = true;    // whether a point is pinned, or a tip held
+override LOOSE: bool = true;   // whether a strand's root is not held
 
 // A strand within a step.
 struct RodStrand {

@@ -33,8 +33,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let i = params.hair_points + invocation(id, groups);
     if (i >= params.particles) | frozen() { return; }
     let given = wind_deficit();
-    let rate = rate_at(position[i].xyz);
+    let part = 1.0 - exp(-rate_at(position[i].xyz) * params.step);
     var drawn = vec3f(0.0);
-    if rate > 0.0 { drawn = (1.0 - exp(-rate * params.step)) * (wind_change[i].xyz - given); }
+    if part > 0.0 { drawn = part * (wind_change[i].xyz - given); }
     wind_change[i] = vec4f(mean_wind() - wind_before() + given + drawn, 0.0);
 }

@@ -1,4 +1,5 @@
-// Deficit of the air in the fringe to the wind, of each particle and summed over those of each workgroup, in a fixed order.
+// Deficit of the air in the fringe to the wind, of each particle and summed over those of each workgroup, in a fixed
+// order; u' and sigma are those of `forcing/fringe`.
 //
 //   d_i = U + u' - v_i - (U(t + dt) - U(t));  sum_i sigma_i d_i,  and sum_i sigma_i
 import package::common::{

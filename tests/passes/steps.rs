@@ -243,17 +243,17 @@ fn steps_of_both(gpu: &Gpu, sets: &[&str], bounds: &Bounds, steps: u32) -> Resul
     Ok(worst)
 }
 
-/// Steps of a scene. Contact, slip and force fields amplify rounding errors with each step. Strands that are held at both
-/// ends make more of them; and in the fourth step of a scene with a thin body a segment is in its middle, where rounding
-/// decides to which side it goes.
+/// Steps of a scene. Contact, slip and force fields amplify rounding errors with each step, and in the fifth of
+/// [`FIELDS_BEHIND_HAIR`] a pair is a kernel radius apart to 1.4e-10 m. Strands that are held at both ends make more of
+/// them; and in the fourth step with a thin body a segment is in its middle, where rounding decides to which side it goes.
 fn steps_of(sets: &[&str]) -> u32 {
     if sets == TAUT || sets == THIN_BODY { 3 } else { 4 }
 }
 
-/// Bounds of the scenes below. In six steps differences were measured at most 1.0e-7 m (4.1e-8 m of moves of hair),
+/// Bounds of the scenes below: four times the differences that were measured in six steps, at most 1.0e-7 m (4.1e-8 m of moves of hair),
 /// 4.6e-5 m/s (1.5e-6 m/s of what wind and forces add), 4.7e-6 of frames, 3.0e-3 1/s of spins and 5.8e-6 of densities;
 /// in parts of the largest 3.6e-4 of multipliers (the largest is at least that of an error of 1 %) and 3.0e-4 of nodes
-/// (in air that is still nearly uniform). The margin is 4.
+/// (in air that is still nearly uniform).
 pub const BOUNDS: Bounds = Bounds {
     length: 4e-7,
     hair: 1.6e-7,

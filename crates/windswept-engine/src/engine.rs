@@ -491,11 +491,9 @@ impl Engine {
         Ok(())
     }
 
-    /// Lets programs that are made from now on look for pins; says whether those made before do not.
-    pub fn look_for_pins(&mut self) -> bool {
-        let anew = self.state.sizes.pins == 0;
-        self.state = State::new(&Sizes { pins: self.state.sizes.hair_points, ..self.state.sizes });
-        anew
+    /// Sets how many points are pinned or held tips: programs made from now on have the switch `PINS` on unless it is 0.
+    pub(crate) fn expect_pins(&mut self, pins: u32) {
+        self.state = State::new(&Sizes { pins, ..self.state.sizes });
     }
 
     /// Writes accelerations \[m/s²\] of hair points and of air by stable id, for which there is room.

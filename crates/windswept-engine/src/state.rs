@@ -100,7 +100,7 @@ pub struct Sizes {
     pub waves: u32,
     /// Strands whose root is not held.
     pub loose: u32,
-    /// Hair points that are pinned, and tips that are held; all hair points once a caller has set pins.
+    /// Hair points that are pinned, by the scene or a caller, and tips that are held.
     pub pins: u32,
     /// Force fields.
     pub fields: u32,
@@ -369,7 +369,8 @@ state! {
     fringe_deficit: Vec4, |_| 2;
     /// Strength of a force field at the end of the step \[m/s\].
     field_strength: f32, |s| s.fields;
-    /// Change of velocity of a particle of air by wind, force fields and a set acceleration in this step \[m/s\].
+    /// Change of velocity of a particle of air by wind, force fields and a set acceleration in this step; before
+    /// `forcing/fringe` the deficit of one in the fringe \[m/s\].
     wind_change: Vec4, |s| s.particles;
     /// Data of a hair point for friction of hair on hair: how it slips, its multipliers, its strand.
     friction_points: FrictionPoint, |s| s.hair_points;

@@ -29,12 +29,13 @@ fn declared(key: &Key) -> Value {
         Fallback::Value(text) => (Some(text), None),
         Fallback::Method(accurate, published) => (None, Some(format!("{accurate}, {published} with method published"))),
         Fallback::Derived(words) => (None, Some((*words).to_owned())),
-        Fallback::Required => (None, None),
+        Fallback::Required | Fallback::RequiredWith(_) => (None, None),
     };
+    let choice = if let Fallback::RequiredWith(choice) = &key.default { Some(choice) } else { None };
     let variants: Vec<_> =
         key.variants.iter().map(|v| json!({ "name": v.name, "table": v.table, "doc": v.doc.trim() })).collect();
     json!({
         "path": key.path, "kind": kind, "words": words, "expected": key.expected(), "default": default, "follows": follows,
-        "help": key.help, "table": key.table, "variants": variants,
+        "needed_with": choice, "help": key.help, "table": key.table, "variants": variants,
     })
 }

@@ -101,7 +101,7 @@ fn explain_lists_every_key_with_type_unit_default_and_help() {
         match &key.default {
             Fallback::Required => assert!(shown.contains("needed"), "{shown}"),
             Fallback::Value(text) => assert!(shown.contains(text), "{shown}"),
-            Fallback::Derived(text) => assert!(shown.contains(text), "{shown}"),
+            Fallback::RequiredWith(text) | Fallback::Derived(text) => assert!(shown.contains(text), "{shown}"),
             Fallback::Method(..) => {
                 assert!(shown.contains(key.default_of(true).unwrap()), "{shown}")
             }

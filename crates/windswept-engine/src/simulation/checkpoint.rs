@@ -299,9 +299,8 @@ impl Checkpoint {
             }
             engine.write_bytes(array, bytes)?;
         }
-        if engine.read(&engine.state().pins)?.iter().any(|pin| pin.held != 0) {
-            simulation.look_for_pins()?;
-        }
+        let pins = engine.read(&engine.state().pins)?;
+        simulation.plan_pins(&pins)?;
         let engine = &simulation.engine;
         simulation.last = engine.status()?;
         if simulation.last.causes != 0 {

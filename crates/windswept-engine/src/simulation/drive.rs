@@ -7,7 +7,7 @@ use windswept_scene::{
     CheckedAir, Solver,
     limits::{FASTEST_WIND, LARGEST, SMALLEST},
 };
-use windswept_shaders::common::validity::FAST;
+use windswept_shaders::common::{rod::Pin, validity::FAST};
 
 use super::Simulation;
 use crate::{
@@ -92,13 +92,18 @@ impl Simulation {
             pins[point] = rods::pin(*place - origin);
         }
         self.was_set = true;
-        self.engine.write(&self.engine.state().pins, &pins)?;
-        Ok(self.look_for_pins()?)
+        self.plan_pins(&pins)?;
+        Ok(self.engine.write(&self.engine.state().pins, &pins)?)
     }
 
-    /// Lets the step look for pins, which it does not where the scene has none.
-    pub(super) fn look_for_pins(&mut self) -> Result<(), GpuError> {
-        if self.engine.look_for_pins() { self.record_again() } else { Ok(()) }
+    /// Lets the step look for pins, where there are any, or not.
+    pub(super) fn plan_pins(&mut self, pins: &[Pin]) -> Result<(), GpuError> {
+        let (before, now) = (self.engine.sizes().pins, pins.iter().filter(|pin| pin.held != 0).count() as u32);
+        self.engine.expect_pins(now);
+        if (before > 0) == (now > 0) {
+            return Ok(());
+        }
+        self.record_again().inspect_err(|_| self.engine.expect_pins(before))
     }
 
     fn is_root(&self, point: usize) -> bool {

@@ -81,9 +81,8 @@ impl Simulation {
             next.drive_body(*body, driven.clone())?;
         }
         next.plan_force(self.plan.conditions.pushes.runs)?;
-        if self.engine.sizes().pins > 0 {
-            next.engine.look_for_pins();
-        }
+        // Pins are fixed in a scene, and those that a caller has set go on.
+        next.engine.expect_pins(self.engine.sizes().pins);
         let kept = self.engine.state().lasting();
         for array in next.engine.state().lasting() {
             let winds = array.name() == next.engine.state().wind_table.name() && blows_anew;
