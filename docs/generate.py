@@ -67,7 +67,7 @@ def keys() -> str:
 
 
 def described(key: dict[str, object]) -> tuple[object, str, object]:
-    needed = f"needed with {key['needed_with']}" if key["needed_with"] else "needed"
+    needed = f"needed {key['needed_if']}" if key["needed_if"] else "needed"
     default = f"`{key['default']}`" if key["default"] is not None else key["follows"] or needed
     variants = [variant["name"].lower() for variant in key["variants"]] if not key["words"] else []
     of = f" (of {', '.join(variants)})" if variants else ""

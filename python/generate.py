@@ -70,8 +70,8 @@ def add_table(path: str, name: str, doc: str, classes: dict[str, str]) -> tuple[
 
 def needed(own: dict[str, Any], tag: dict[str, Any]) -> dict[str, Any]:
     """A key of one table of a choice, which needs it if the choice says so."""
-    choices = [f"{last(tag['path'])} {word}" for word in tag["words"]]
-    return {**own, "needed_with": None if own["needed_with"] in choices else own["needed_with"]}
+    choices = [f"with {last(tag['path'])} {word}" for word in tag["words"]]
+    return {**own, "needed_if": None if own["needed_if"] in choices else own["needed_if"]}
 
 
 def class_of(name: str, path: str, doc: str, keys: list[dict[str, Any]], classes: dict[str, str], more: str) -> str:
@@ -84,7 +84,7 @@ def class_of(name: str, path: str, doc: str, keys: list[dict[str, Any]], classes
 
 def attribute(own: dict[str, Any], classes: dict[str, str]) -> str:
     name, kind, default, follows = last(own["path"]), own["kind"], own["default"], own["follows"]
-    may_be_absent = follows is not None or own["needed_with"] is not None
+    may_be_absent = follows is not None or own["needed_if"] is not None
     value = json.loads(default or "null")
     default = json.dumps(value, ensure_ascii=False) if isinstance(value, str) else repr(value) if default else None
     words = [f"default={default}"] if default else ["default=None"] if may_be_absent else []
@@ -121,8 +121,8 @@ def attribute(own: dict[str, Any], classes: dict[str, str]) -> str:
         sentences.append(f"Default {default}.")
     elif follows:
         sentences.append(f"Without it: {follows}.")
-    elif own["needed_with"]:
-        sentences.append(f"Needed with {own['needed_with']}.")
+    elif own["needed_if"]:
+        sentences.append(f"Needed {own['needed_if']}.")
     elif follows is None:
         sentences.append("Needed.")
     line = f"    {name}: Key[{got}{optional}, {taken}{optional}] = key({', '.join(words)})\n"

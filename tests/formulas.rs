@@ -141,7 +141,6 @@ fn wrong_constants_of_strands_turn_rows_red() {
 }
 
 #[test]
-#[ignore = "long: 10 s of CPU time"]
 fn wrong_constants_of_air_turn_rows_red() {
     turn_rows_red(&[
         (&fluid::FRICTION, "min(own.friction, other.more.y)", "0.5 * own.friction", "friction"),

@@ -251,8 +251,8 @@ class Hair(Table):
     folder. Needed with a groom file.
     """
     scale: Key[float | None, float | None] = key(default=None)
-    """Metres per unit of the file: 0.01 for centimetres. A number greater than 0 [m]. Without it: needed with a groom
-    file that does not say its unit.
+    """Metres per unit of the file: 0.01 for centimetres. A number greater than 0 [m]. Needed with a groom file that
+    does not say its unit.
     """
     up: Key[Literal["y", "z", "x", "yzx", "zxy", "xzy", "yxz", "zyx"], Literal["y", "z", "x", "yzx", "zxy", "xzy", "yxz", "zyx"]] = key(default="y")
     """Axis of the file that points up, or the axes of the file that become x, y and z; xzy, yxz and zyx mirror. One of
@@ -404,8 +404,8 @@ class MeshFile(Table):
     _word = ("shape", "mesh")
 
     file: Key[str | None, str | None] = key(default=None)
-    """Mesh file whose triangles enclose the body (.obj, .ply, .glb). A path relative to the scene's folder. Without it:
-    needed, or frames.
+    """Mesh file whose triangles enclose the body (.obj, .ply, .glb). A path relative to the scene's folder. Needed
+    without frames.
     """
     frames: Key[str | None, str | None] = key(default=None)
     """File of a mesh that deforms, in place of a mesh file (.npz): positions (T, n, 3), triangles (m, 3) and times (T)
@@ -413,8 +413,8 @@ class MeshFile(Table):
     mesh keeps its shape.
     """
     scale: Key[float | None, float | None] = key(default=None)
-    """Metres per unit of the file: 0.01 for centimetres. A number greater than 0 [m]. Without it: needed with shape
-    mesh, unless the file says its unit.
+    """Metres per unit of the file: 0.01 for centimetres. A number greater than 0 [m]. Needed with shape mesh, unless
+    the file says its unit.
     """
     up: Key[Literal["y", "z", "x", "yzx", "zxy", "xzy", "yxz", "zyx"], Literal["y", "z", "x", "yzx", "zxy", "xzy", "yxz", "zyx"]] = key(default="y")
     """Axis of the file that points up, or the axes of the file that become x, y and z; xzy, yxz and zyx mirror. One of
@@ -459,8 +459,8 @@ class Body(Table):
     normal: Key[NDArray[float64] | None, ArrayLike | None] = key(default=None, kind="vector")
     """Normal of the plane, away from the body. Three numbers, [x, y, z], not all 0. Needed with shape plane."""
     file: Key[str | None, str | None] = key(default=None)
-    """Mesh file whose triangles enclose the body (.obj, .ply, .glb). A path relative to the scene's folder. Without it:
-    needed, or frames.
+    """Mesh file whose triangles enclose the body (.obj, .ply, .glb). A path relative to the scene's folder. Needed
+    without frames.
     """
     frames: Key[str | None, str | None] = key(default=None)
     """File of a mesh that deforms, in place of a mesh file (.npz): positions (T, n, 3), triangles (m, 3) and times (T)
@@ -468,8 +468,8 @@ class Body(Table):
     mesh keeps its shape.
     """
     scale: Key[float | None, float | None] = key(default=None)
-    """Metres per unit of the file: 0.01 for centimetres. A number greater than 0 [m]. Without it: needed with shape
-    mesh, unless the file says its unit.
+    """Metres per unit of the file: 0.01 for centimetres. A number greater than 0 [m]. Needed with shape mesh, unless
+    the file says its unit.
     """
     up: Key[Literal["y", "z", "x", "yzx", "zxy", "xzy", "yxz", "zyx"], Literal["y", "z", "x", "yzx", "zxy", "xzy", "yxz", "zyx"]] = key(default="y")
     """Axis of the file that points up, or the axes of the file that become x, y and z; xzy, yxz and zyx mirror. One of
@@ -514,8 +514,8 @@ class Force(Table):
     z] [m]. Needed.
     """
     axis: Key[NDArray[float64] | None, ArrayLike | None] = key(default=None, kind="vector")
-    """Direction of a jet, or axis that a vortex turns about, right-handed. Three numbers, [x, y, z], not all 0. Without
-    it: needed with fields jet and vortex.
+    """Direction of a jet, or axis that a vortex turns about, right-handed. Three numbers, [x, y, z], not all 0. Needed
+    with fields jet and vortex.
     """
     reach: Key[float, float] = key()
     """Distance at which the field ends: along a jet, from a vortex's axis, from a point; from half of it on it fades. A
@@ -531,8 +531,7 @@ class Force(Table):
     it: radius.
     """
     strength: Key[float | None, float | None] = key(default=None)
-    """Largest speed of the field's wind; negative turns it round. A number [m/s]. Without it: needed without keyframes.
-    """
+    """Largest speed of the field's wind; negative turns it round. A number [m/s]. Needed without keyframes."""
     keyframes: Key[list[Strength], Strength | Sequence[Strength]] = key(factory=list, of=Strength, kind="tables")
     """Keyframes of the strength, in place of a steady one: linear between them, held before and after. Without it: a
     steady strength.
@@ -579,7 +578,7 @@ class Air(Table):
 
     box: Key[Bounds | None, Bounds | ArrayLike | None] = key(default=None, of=Bounds, kind="table")
     """Periodic box of the air particles; none with models drag and none. Three numbers are a box of this size whose
-    lower corner is the origin. Without it: needed with models particles and two-way.
+    lower corner is the origin. Needed with models particles and two-way.
     """
     margin: Key[float | None, float | None] = key(default=None)
     """Distance about the hair's reach that the box is cut to at load, and the fringe's thickness more where wind
@@ -595,7 +594,7 @@ class Air(Table):
     kernel_radius: Key[float | None, float | None] = key(default=None)
     """Kernel radius h. A length in metres greater than 0. Without it: 1.923 spacings."""
     wind: Key[NDArray[float64] | None, ArrayLike | None] = key(default=None, kind="vector")
-    """Mean wind U. Three numbers, [x, y, z] [m/s]. Without it: needed with every model but none."""
+    """Mean wind U. Three numbers, [x, y, z] [m/s]. Needed with every model but none."""
     fringe: Key[float | None, float | None] = key(default=None)
     """Thickness of the fringe, in which entering air is conditioned; 0: none. A number of at least 0 [m]. Without it: 4
     kernel radii.

@@ -1,5 +1,6 @@
-// The surface that is nearest to a particle; air is moved out of bodies first, to its clearance. Where two surfaces are near to one another, the clearance from one may
-// lead into the other: in the last rounds air is moved no farther than out.
+// The surface that is nearest to a particle; air is moved out of bodies first, to its clearance. Where two surfaces are
+// near to one another, the clearance from one may lead into the other: in the last rounds air is moved no farther than
+// out.
 import package::common::{
     params::params, cells::wrap, nearest::{Nearest, nearest}, wall::{Wall, gradient_beyond, path_beside},
 };
@@ -17,7 +18,7 @@ struct Cleared {
 fn cleared(place: vec3f, is_air: bool) -> Cleared {
     let at = select(place, wrap(place), is_air);
     var x = at;
-    var near = Nearest();
+    var near: Nearest;
     var round = 0u;
     loop {
         near = nearest(x, false);

@@ -363,6 +363,24 @@ fn what_is_saved_is_needed() {
     }
 }
 
+/// Pins that a caller has set go on from a checkpoint with the same bits, and so does hair that was released.
+#[test]
+fn pins_go_on_or_stay_released() {
+    let mut simulation = Simulation::new(&support::gpu(), &scene(&[])).unwrap();
+    let place = simulation.initial().hair.positions[3] + 1e-3 * DVec3::Y;
+    for points in [&[3][..], &[]] {
+        simulation.set_pins(points, &vec![place; points.len()]).unwrap();
+        simulation.step(3).unwrap();
+        let saved = simulation.to_bytes().unwrap();
+        let mut other = Checkpoint::from_bytes(&saved, "pins").unwrap().start(simulation.gpu()).unwrap();
+        simulation.step(5).unwrap();
+        other.step(5).unwrap();
+        assert!(simulation.to_bytes().unwrap() == other.to_bytes().unwrap(), "{points:?}");
+        let now = DVec3::from_array(other.frame().unwrap().hair.positions[3].map(f64::from));
+        assert_eq!(now.distance(place) < 1e-5, !points.is_empty(), "{now} of {place}");
+    }
+}
+
 /// Notes come back as they were given, and are of the type that they were given in.
 #[test]
 fn notes_come_back() {

@@ -13,8 +13,6 @@ use glam::DVec3;
 use windswept_scene::{CheckedScene, InitialState, Strands, limits::MAX_BUCKETS};
 use windswept_shaders::{
     common::{
-        dispatch::WORKGROUP,
-        lanes::LANES,
         list::PAGES,
         params::Params,
         pressure::Pressed,
@@ -476,26 +474,6 @@ impl Engine {
         )
     }
 
-    /// Makes room for the accelerations of all particles, or gives it back. Programs made before bind the old array.
-    ///
-    /// # Errors
-    /// [`GpuError`] when the adapter has no room.
-    pub fn make_room_for_force(&mut self, pushes: bool) -> Result<(), GpuError> {
-        let pushed = if pushes { self.state.sizes.particles } else { 0 };
-        if self.state.sizes.pushed == pushed {
-            return Ok(());
-        }
-        let state = State::new(&Sizes { pushed, ..self.state.sizes });
-        self.memory.reallocate(&self.gpu, &state.pushed)?;
-        self.state = state;
-        Ok(())
-    }
-
-    /// Sets how many points are pinned or held tips: programs made from now on have the switch `PINS` on unless it is 0.
-    pub(crate) fn expect_pins(&mut self, pins: u32) {
-        self.state = State::new(&Sizes { pins, ..self.state.sizes });
-    }
-
     /// Writes accelerations \[m/s²\] of hair points and of air by stable id, for which there is room.
     ///
     /// # Errors
@@ -503,29 +481,5 @@ impl Engine {
     pub fn write_force(&self, hair: &[DVec3], air: &[DVec3]) -> Result<(), GpuError> {
         let rows: Vec<_> = hair.iter().chain(air).map(|a| vec4(*a, 0.0)).collect();
         self.write(&self.state.pushed, &rows)
-    }
-
-    /// Replaces the neighbour list by one of so many pages of `capacity` elements each. Programs made before bind the
-    /// old one.
-    ///
-    /// # Errors
-    /// [`GpuError`] when the adapter has no room.
-    pub fn grow_neighbours(&mut self, pages: u32, capacity: u32) -> Result<(), GpuError> {
-        self.state = State::new(&Sizes { pages, neighbours: capacity, ..self.state.sizes });
-        for page in self.state.pages() {
-            self.memory.reallocate(&self.gpu, &page)?;
-        }
-        self.write_pages()
-    }
-
-    fn write_pages(&mut self) -> Result<(), GpuError> {
-        let Sizes { pages, neighbours: neighbour_capacity, .. } = self.state.sizes;
-        let page_clusters = self.state.sizes.page_clusters();
-        let workgroups_of_hair = self.state.sizes.hair_clusters * LANES / WORKGROUP;
-        for params in &mut self.params {
-            let page_of_hair = WORKGROUP * clusters::workgroups_of_page(workgroups_of_hair, params.page, pages);
-            *params = Params { pages, page_clusters, page_of_hair, neighbour_capacity, ..*params };
-        }
-        self.write(&self.state.params, &self.params)
     }
 }

@@ -10,7 +10,7 @@ use crate::{
     state::Sizes,
     upload::{
         bands::Bands, bodies, bonds, coarse::Coarse, fields::Fields, meshes::Meshes, motion::Motions, params, pressure,
-        sort::Sort, winds,
+        rods, sort::Sort, winds,
     },
 };
 
@@ -61,9 +61,7 @@ impl<'a> Setup<'a> {
         let grids = || meshes.grids.iter().map(|grid| Sort::new(&params::with_cells(&params, *grid)));
         let sorts = || std::iter::once(sort).chain(grids());
         let hair = &initial.hair;
-        let free = |point: &usize| hair.inverse_mass[*point] > 0.0;
-        let roots = || (0..hair.len()).map(|s| hair.points(s).start);
-        let tips = || (0..hair.len()).map(|s| hair.points(s).end - 1);
+        let is_loose = |s: &usize| hair.inverse_mass[hair.points(*s).start] > 0.0;
         let sizes = Sizes {
             particles: params.particles,
             hair_points: params.hair_points,
@@ -91,8 +89,8 @@ impl<'a> Setup<'a> {
             wind_table: wind_table.len() as u32,
             frame_table: frame_table.len() as u32,
             waves: waves.len() as u32,
-            loose: roots().filter(free).count() as u32,
-            pins: (initial.pins.len() + tips().filter(|tip| !free(tip)).count()) as u32,
+            loose: (0..hair.len()).filter(is_loose).count() as u32,
+            pins: rods::held(&rods::pins(scene, initial)),
             fields: fields.fields.len() as u32,
             field_keys: fields.keyframes.len() as u32,
             pushed: 0,

@@ -29,13 +29,13 @@ fn declared(key: &Key) -> Value {
         Fallback::Value(text) => (Some(text), None),
         Fallback::Method(accurate, published) => (None, Some(format!("{accurate}, {published} with method published"))),
         Fallback::Derived(words) => (None, Some((*words).to_owned())),
-        Fallback::Required | Fallback::RequiredWith(_) => (None, None),
+        Fallback::Required | Fallback::RequiredIf(_) => (None, None),
     };
-    let choice = if let Fallback::RequiredWith(choice) = &key.default { Some(choice) } else { None };
+    let needed_if = if let Fallback::RequiredIf(case) = &key.default { Some(case) } else { None };
     let variants: Vec<_> =
         key.variants.iter().map(|v| json!({ "name": v.name, "table": v.table, "doc": v.doc.trim() })).collect();
     json!({
         "path": key.path, "kind": kind, "words": words, "expected": key.expected(), "default": default, "follows": follows,
-        "needed_with": choice, "help": key.help, "table": key.table, "variants": variants,
+        "needed_if": needed_if, "help": key.help, "table": key.table, "variants": variants,
     })
 }

@@ -35,11 +35,7 @@ pub(crate) struct Row<T> {
 impl<T> Row<T> {
     /// The row as that of another type, which takes what this one takes and has no default of its own.
     pub(crate) fn of_parts<U>(self) -> Row<U> {
-        let default = match self.default {
-            Fallback::Derived(text) => Fallback::Derived(text),
-            _ => Fallback::Required,
-        };
-        Row { name: self.name, kind: self.kind, unit: self.unit, doc: self.doc, default }
+        Row { name: self.name, kind: self.kind, unit: self.unit, doc: self.doc, default: self.default.without_value() }
     }
 }
 
@@ -159,10 +155,10 @@ impl<T: Field> Field for Option<T> {
     /// A group of keys that may be absent needs none of them.
     fn list(row: Row<Self>, path: &str, all: &mut Vec<Key>) {
         let (first, group) = (all.len(), row.name.is_empty());
-        let without = if let Fallback::Derived(text) = row.default { Some(text) } else { None };
+        let without: Fallback<String> = row.default.without_value();
         T::list(row.inner(), path, all);
         for key in all[first..].iter_mut().filter(|key| group && key.default == Fallback::Required) {
-            key.default = without.map_or(Fallback::Required, Fallback::Derived);
+            key.default = without.clone();
         }
     }
 
@@ -193,8 +189,7 @@ impl<T> Row<Option<T>> {
         let Self { name, kind, unit, doc, default } = self;
         let default = match default {
             Fallback::Value(Some(value)) => Fallback::Value(value),
-            Fallback::Derived(text) => Fallback::Derived(text),
-            _ => Fallback::Required,
+            other => other.without_value(),
         };
         Row { name, kind, unit, doc, default }
     }

@@ -6,7 +6,7 @@ use crate::{
     declare::{table, words},
     faults::At,
     keys::{
-        Fallback::{Derived, Required, Value},
+        Fallback::{Derived, Required, RequiredIf, Value},
         Kind::{Choice, Direction, Length, NonNegative, Number, Tables, Text, Vector},
     },
     scene::{CheckedAir, Model, Scene, SceneValues},
@@ -39,7 +39,7 @@ table! {
         /// Point where a jet begins, through which a vortex's axis goes, or from which a point blows.
         origin: [f64; 3] = Vector, "m", Required;
         /// Direction of a jet, or axis that a vortex turns about, right-handed.
-        axis: Option<[f64; 3]> = Direction, "", Derived("needed with fields jet and vortex");
+        axis: Option<[f64; 3]> = Direction, "", RequiredIf("with fields jet and vortex");
         /// Distance at which the field ends: along a jet, from a vortex's axis, from a point; from half of it on it
         /// fades.
         reach: f64 = Length, "m", Required;
@@ -49,7 +49,7 @@ table! {
         /// Way over which air takes the field's wind up, at the strength's speed.
         uptake: f64 = Length, "m", Derived("radius") => value(|_scene| radius);
         /// Largest speed of the field's wind; negative turns it round.
-        strength: Option<f64> = Number, "m/s", Derived("needed without keyframes");
+        strength: Option<f64> = Number, "m/s", RequiredIf("without keyframes");
         /// Keyframes of the strength, in place of a steady one: linear between them, held before and after.
         keyframes: Vec<Strength> = Tables, "", Derived("a steady strength");
     }

@@ -50,8 +50,8 @@ pub enum Kind {
 pub enum Fallback<T> {
     /// The file must say.
     Required,
-    /// The file must say where it chooses this: `shape mesh`.
-    RequiredWith(&'static str),
+    /// The file must say in this case: `with shape mesh`.
+    RequiredIf(&'static str),
     /// This value.
     Value(T),
     /// A value by `method`: of the accurate one, of the published one.
@@ -103,7 +103,16 @@ impl<T> Fallback<T> {
         match self {
             Self::Value(value) => Some(value),
             Self::Method(accurate, of_paper) => Some(if published { of_paper } else { accurate }),
-            Self::Required | Self::RequiredWith(_) | Self::Derived(_) => None,
+            Self::Required | Self::RequiredIf(_) | Self::Derived(_) => None,
+        }
+    }
+
+    /// The fallback without a value; a key that has one is needed then.
+    pub(crate) fn without_value<U>(&self) -> Fallback<U> {
+        match *self {
+            Self::RequiredIf(case) => Fallback::RequiredIf(case),
+            Self::Derived(text) => Fallback::Derived(text),
+            _ => Fallback::Required,
         }
     }
 
@@ -111,7 +120,7 @@ impl<T> Fallback<T> {
     pub(crate) fn map<U>(self, change: impl Fn(T) -> U) -> Fallback<U> {
         match self {
             Self::Required => Fallback::Required,
-            Self::RequiredWith(choice) => Fallback::RequiredWith(choice),
+            Self::RequiredIf(case) => Fallback::RequiredIf(case),
             Self::Value(value) => Fallback::Value(change(value)),
             Self::Method(accurate, published) => Fallback::Method(change(accurate), change(published)),
             Self::Derived(text) => Fallback::Derived(text),
@@ -133,7 +142,7 @@ impl Key {
         match &self.default {
             Fallback::Value(text) => Some(text),
             Fallback::Method(best, published) => Some(if accurate { best } else { published }),
-            Fallback::Required | Fallback::RequiredWith(_) | Fallback::Derived(_) => None,
+            Fallback::Required | Fallback::RequiredIf(_) | Fallback::Derived(_) => None,
         }
     }
 
@@ -206,7 +215,7 @@ pub fn explain() -> String {
 fn explained(key: &Key) -> String {
     let default = match &key.default {
         Fallback::Required => "needed".to_owned(),
-        Fallback::RequiredWith(choice) => format!("needed with {choice}"),
+        Fallback::RequiredIf(case) => format!("needed {case}"),
         Fallback::Value(value) => format!("default {value}"),
         Fallback::Derived(without) => format!("without it: {without}"),
         Fallback::Method(accurate, published) => format!("default {accurate} (accurate), {published} (published)"),

@@ -39,7 +39,7 @@ fn table(path: &str, help: &str) -> Value {
 fn of(key: &Key) -> Value {
     let unit = if key.unit.is_empty() { String::new() } else { format!(" [{}]", key.unit) };
     let without = match &key.default {
-        Fallback::RequiredWith(choice) => format!(" Needed with {choice}."),
+        Fallback::RequiredIf(case) => format!(" Needed {case}."),
         Fallback::Derived(text) if !text.is_empty() => format!(" Without it: {text}."),
         Fallback::Method(accurate, published) => format!(" Default {accurate}, or {published} with method published."),
         _ => String::new(),

@@ -21,7 +21,7 @@ use crate::{
     faults::At,
     frames::Frames,
     keys::{
-        Fallback::{Derived, Value},
+        Fallback::{Derived, RequiredIf, Value},
         Key, Kind,
         Kind::{Choice, Length, Path as PathOf, Positive, Table},
     },
@@ -49,12 +49,12 @@ table! {
         /// Solid of the caller's own, in place of the file's. A scene's text cannot say it.
         solid as "": Option<Solid> = Table, "", Derived("");
         /// Mesh file whose triangles enclose the body (.obj, .ply, .glb).
-        file: Option<String> = PathOf, "", Derived("needed, or frames");
+        file: Option<String> = PathOf, "", RequiredIf("without frames");
         /// File of a mesh that deforms, in place of a mesh file (.npz): positions (T, n, 3), triangles (m, 3) and times (T)
         /// in s. It moves by these poses, and has no keyframes.
         frames: Option<String> = PathOf, "", Derived("none: the mesh keeps its shape");
         /// Metres per unit of the file: 0.01 for centimetres.
-        scale: Option<f64> = Positive, "m", Derived("needed with shape mesh, unless the file says its unit");
+        scale: Option<f64> = Positive, "m", RequiredIf("with shape mesh, unless the file says its unit");
         /// Axis of the file that points up, or the axes of the file that become x, y and z; xzy, yxz and zyx mirror.
         up: Up = Choice(Up::WORDS), "", Value(Up::Y);
         /// Spacing of the grid of distances from the mesh.

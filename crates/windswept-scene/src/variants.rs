@@ -31,7 +31,7 @@ impl Choice {
                 .iter()
                 .all(|(_, keys)| keys.iter().any(|key| key.path == path && key.default == Fallback::Required))
         };
-        for ((choice, keys), variant) in self.tables.iter().zip(&self.variants) {
+        for ((case, keys), variant) in self.tables.iter().zip(&self.variants) {
             for key in keys {
                 let (path, own) = (join(path, &key.path), !key.path.contains('.'));
                 let variant = Some(*variant).filter(|_| own && tagged);
@@ -40,7 +40,7 @@ impl Choice {
                     continue;
                 }
                 let needed = own && key.default == Fallback::Required && !needed(&key.path);
-                let default = if needed { Fallback::RequiredWith(choice) } else { key.default.clone() };
+                let default = if needed { Fallback::RequiredIf(case) } else { key.default.clone() };
                 let variants = if own { variant.into_iter().collect() } else { key.variants.clone() };
                 all.push(Key { path, default, variants, ..key.clone() });
             }

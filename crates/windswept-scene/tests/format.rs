@@ -101,7 +101,8 @@ fn explain_lists_every_key_with_type_unit_default_and_help() {
         match &key.default {
             Fallback::Required => assert!(shown.contains("needed"), "{shown}"),
             Fallback::Value(text) => assert!(shown.contains(text), "{shown}"),
-            Fallback::RequiredWith(text) | Fallback::Derived(text) => assert!(shown.contains(text), "{shown}"),
+            Fallback::RequiredIf(case) => assert!(shown.contains(&format!("; needed {case}")), "{shown}"),
+            Fallback::Derived(text) => assert!(shown.contains(text) && !text.starts_with("needed"), "{shown}"),
             Fallback::Method(..) => {
                 assert!(shown.contains(key.default_of(true).unwrap()), "{shown}")
             }

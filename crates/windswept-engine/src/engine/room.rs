@@ -1,10 +1,12 @@
-//! Whether a scene fits an adapter, and the limits that a device must have for it.
+//! Whether a scene fits an adapter, the limits that a device must have for it, and how arrays grow.
 
 use windswept_scene::{CheckedScene, Groom, InitialState, SceneError, limits::MAX_NODES};
-use windswept_shaders::common::{dispatch::WORKGROUP, lanes::LANES, list::PAGES};
+use windswept_shaders::common::{dispatch::WORKGROUP, lanes::LANES, list::PAGES, params::Params};
 
+use super::Engine;
 use crate::{
     array::AnyArray,
+    clusters,
     error::GpuError,
     gpu::{Gpu, check_sizes, wgpu},
     setup::{Setup, least_sizes},
@@ -70,4 +72,50 @@ pub(crate) fn first_sizes(largest_binding: u64, setup: &Setup<'_>) -> Sizes {
 /// Elements of the longest page of a neighbour list that a device binds.
 pub(super) fn largest_page(largest_binding: u64) -> u64 {
     (largest_binding / size_of::<[u32; 4]>() as u64).min(u32::MAX.into())
+}
+
+impl Engine {
+    /// Makes room for the accelerations of all particles, or gives it back. Programs made before bind the old array.
+    ///
+    /// # Errors
+    /// [`GpuError`] when the adapter has no room.
+    pub fn make_room_for_force(&mut self, pushes: bool) -> Result<(), GpuError> {
+        let pushed = if pushes { self.state.sizes.particles } else { 0 };
+        if self.state.sizes.pushed == pushed {
+            return Ok(());
+        }
+        let state = State::new(&Sizes { pushed, ..self.state.sizes });
+        self.memory.reallocate(&self.gpu, &state.pushed)?;
+        self.state = state;
+        Ok(())
+    }
+
+    /// Sets how many points are pinned or held tips: programs made from now on have the switch `PINS` on unless it is 0.
+    pub(crate) fn expect_pins(&mut self, pins: u32) {
+        self.state = State::new(&Sizes { pins, ..self.state.sizes });
+    }
+
+    /// Replaces the neighbour list by one of so many pages of `capacity` elements each. Programs made before bind the
+    /// old one.
+    ///
+    /// # Errors
+    /// [`GpuError`] when the adapter has no room.
+    pub fn grow_neighbours(&mut self, pages: u32, capacity: u32) -> Result<(), GpuError> {
+        self.state = State::new(&Sizes { pages, neighbours: capacity, ..self.state.sizes });
+        for page in self.state.pages() {
+            self.memory.reallocate(&self.gpu, &page)?;
+        }
+        self.write_pages()
+    }
+
+    pub(super) fn write_pages(&mut self) -> Result<(), GpuError> {
+        let Sizes { pages, neighbours: neighbour_capacity, .. } = self.state.sizes;
+        let page_clusters = self.state.sizes.page_clusters();
+        let workgroups_of_hair = self.state.sizes.hair_clusters * LANES / WORKGROUP;
+        for params in &mut self.params {
+            let page_of_hair = WORKGROUP * clusters::workgroups_of_page(workgroups_of_hair, params.page, pages);
+            *params = Params { pages, page_clusters, page_of_hair, neighbour_capacity, ..*params };
+        }
+        self.write(&self.state.params, &self.params)
+    }
 }

@@ -98,7 +98,7 @@ impl Simulation {
 
     /// Lets the step look for pins, where there are any, or not.
     pub(super) fn plan_pins(&mut self, pins: &[Pin]) -> Result<(), GpuError> {
-        let (before, now) = (self.engine.sizes().pins, pins.iter().filter(|pin| pin.held != 0).count() as u32);
+        let (before, now) = (self.engine.sizes().pins, rods::held(pins));
         self.engine.expect_pins(now);
         if (before > 0) == (now > 0) {
             return Ok(());

@@ -155,6 +155,12 @@ pub(crate) fn pins(scene: &CheckedScene, initial: &InitialState) -> Vec<Pin> {
     pins
 }
 
+/// How many points these pins hold.
+#[must_use]
+pub(crate) fn held(pins: &[Pin]) -> u32 {
+    pins.iter().filter(|pin| pin.held != 0).count() as u32
+}
+
 /// A pin at a local place \[m\].
 #[must_use]
 pub(crate) fn pin(place: DVec3) -> Pin {

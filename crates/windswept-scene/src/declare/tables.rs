@@ -221,7 +221,8 @@ macro_rules! variants {
                 $({
                     let mut keys = Vec::new();
                     <$inner as $crate::declare::Keys>::list("", &mut keys);
-                    tables.push((concat!($tag, " ", $word).trim_ascii_start(), keys));
+                    let of_key = concat!("with ", $tag, " ", $word);
+                    tables.push((if $tag.is_empty() { concat!("with ", $word) } else { of_key }, keys));
                 })+
                 let kind = $crate::keys::Kind::Choice(Self::WORDS);
                 let row = $crate::declare::Row { name: $tag, kind, unit: "", doc: $doc, default: $default };

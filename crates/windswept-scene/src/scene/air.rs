@@ -6,7 +6,7 @@ use crate::{
     declare::table,
     faults::At,
     keys::{
-        Fallback::{Derived, Required, Value},
+        Fallback::{Derived, Required, RequiredIf, Value},
         Kind::{Count, Fraction, Length, NonNegative, Positive, Table, Tables, Text, Vector},
     },
     limits::{MAX_AIR_PARTICLES, MAX_BOX_CELLS, MIN_AIR_PARTICLES, MIN_BOX_SIDE, MIN_KERNEL_RADIUS},
@@ -26,7 +26,7 @@ table! {
     #[derive(Debug, Clone, PartialEq)]
     pub struct Air => CheckedAir, with defaults, checked by Air::check {
         /// Periodic box of the air particles; none with models drag and none.
-        bounds as "box": Option<Bounds> = Table, "", Derived("needed with models particles and two-way");
+        bounds as "box": Option<Bounds> = Table, "", RequiredIf("with models particles and two-way");
         /// Distance about the hair's reach that the box is cut to at load, and the fringe's thickness more where wind
         /// enters.
         margin: Option<f64> = NonNegative, "m", Derived("the whole box");
@@ -38,7 +38,7 @@ table! {
         /// Kernel radius h.
         kernel_radius: f64 = Length, "m", Derived("1.923 spacings") => value(|_scene| Air::radius_at(spacing));
         /// Mean wind U.
-        wind: [f64; 3] = Vector, "m/s", Derived("needed with every model but none") => value(|_scene| [0.0; 3]);
+        wind: [f64; 3] = Vector, "m/s", RequiredIf("with every model but none") => value(|_scene| [0.0; 3]);
         /// Thickness of the fringe, in which entering air is conditioned; 0: none.
         fringe: f64 = NonNegative, "m", Derived("4 kernel radii") => value(|_scene| 4.0 * kernel_radius);
         /// Time over which the wind rises; 0: at once.

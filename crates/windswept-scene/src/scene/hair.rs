@@ -8,7 +8,7 @@ use crate::{
     faults::At,
     groom::RestShape,
     keys::{
-        Fallback::{self, Derived, Required, Value},
+        Fallback::{self, Derived, Required, RequiredIf, Value},
         Kind::{self, Bool, Choice, Count, Fraction, Length, NonNegative, Path, Positive, Table, Tables, Text},
     },
     limits::{MAX_HAIR_POINTS, MAX_POINTS_OF_A_STRAND},
@@ -97,7 +97,7 @@ table! {
         /// Groom file that the strands come from (.hair, .data, .bin, .npz, .npy, .ply).
         file: String = Path, "", Required;
         /// Metres per unit of the file: 0.01 for centimetres.
-        scale: Option<f64> = Positive, "m", Derived("needed with a groom file that does not say its unit");
+        scale: Option<f64> = Positive, "m", RequiredIf("with a groom file that does not say its unit");
         /// Axis of the file that points up, or the axes of the file that become x, y and z; xzy, yxz and zyx mirror.
         up: Up = Choice(Up::WORDS), "", Value(Up::Y);
         /// Whether the shape in the file is the one at rest, from which weight bends the strands, or the one that they
