@@ -1,5 +1,5 @@
-//! An application's own device, command encoder and drawing: a simulation steps beside other work, and its hair is drawn
-//! from its buffer, without a copy.
+//! An application's own device, command encoder and drawing: a simulation steps beside other work, and its hair is
+//! drawn from its buffer, without a copy.
 //!
 //! `cargo run --release --example 04_own_device`: writes `out/points.png`.
 

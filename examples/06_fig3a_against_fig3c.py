@@ -4,7 +4,8 @@
 #     python examples/06_fig3a_against_fig3c.py           # the small copies, 1 s each: minutes on a CPU
 #     python examples/06_fig3a_against_fig3c.py --small   # a few frames, to see it work
 #
-# Writes out/fig3/both.png, the two pictures, and out/fig3/difference.png: how far the tips swing, and which eddies the air has.
+# Writes out/fig3/both.png, the two pictures, and out/fig3/difference.png: how far the tips swing, and which eddies the
+# air has.
 
 # %%
 import sys

@@ -1,5 +1,5 @@
-//! The pages for people say what is there: links lead somewhere, the book has every page, files and passes that are named
-//! exist, and each equation's row leads to its pass, reference function and test.
+//! The pages for people say what is there: links lead somewhere, the book has every page, files and passes that are
+//! named exist, and each equation's row leads to its pass, reference function and test.
 #![allow(clippy::unwrap_used, missing_docs)]
 
 use std::{collections::BTreeSet, fs, path::Path};

@@ -46,8 +46,8 @@ pub(crate) struct Arguments {
     /// Steps of each scene that are timed pass by pass, and as many that are timed as a whole
     #[arg(long, default_value_t = 20)]
     steps: u64,
-    /// Scenes of `bench step` to time, with ; between them [default: the paper's, of two million particles and of 10 000 to
-    /// 100 000 strands]
+    /// Scenes of `bench step` to time, with ; between them [default: the paper's, of two million particles and of 10
+    /// 000 to 100 000 strands]
     #[arg(long, value_name = "NAME", value_delimiter = ';')]
     scenes: Vec<String>,
     /// Leave the checks out

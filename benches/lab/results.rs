@@ -59,8 +59,8 @@ pub(crate) fn quantity(words: &str, unit: &str) -> String {
     if unit.is_empty() { words.to_owned() } else { format!("{words} [{unit}]") }
 }
 
-/// Writes rows of a table, whose first cell says what they are of, in the place of those of the same that it had; others
-/// stay.
+/// Writes rows of a table, whose first cell says what they are of, in the place of those of the same that it had;
+/// others stay.
 pub(crate) fn replace(path: &Path, columns: &[&str], rows: &[Vec<String>]) -> Result<()> {
     let before = fs::read_to_string(path).unwrap_or_default();
     let mut all = Vec::new();

@@ -54,8 +54,8 @@ const SCENES: [(&str, &str, &[&str]); 16] = [
     // The box has ten times the volume of fig2b's.
     ("2 million particles", "fig2b.toml", &["time.substeps=1", "air.box.max=[1.0,0.4,0.575]"]),
 ];
-/// Numbers of strands, of 25 points each, in scenes where the time of a step grows with hair: in air that drags it only, and
-/// in some million particles; from a disc, and from a head of life size on which it has settled.
+/// Numbers of strands, of 25 points each, in scenes where the time of a step grows with hair: in air that drags it
+/// only, and in some million particles; from a disc, and from a head of life size on which it has settled.
 const STRANDS: [&str; 3] = ["10 000", "50 000", "100 000"];
 const IN_AIR: [(&str, &str, &[&str]); 4] = [
     ("drag", "fig2b.toml", &["time.substeps=1", "interaction.model=drag"]),

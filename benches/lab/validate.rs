@@ -1,5 +1,5 @@
-//! The rows of `windswept validate` on this adapter: `cargo xtask bench validate [CHECK…]`. Writes those of each check into
-//! `validate.csv`, of which the book makes its pages.
+//! The rows of `windswept validate` on this adapter: `cargo xtask bench validate [CHECK…]`. Writes those of each check
+//! into `validate.csv`, of which the book makes its pages.
 
 use windswept_validate::{CHECKS, Check, LONG_CHECKS};
 

@@ -359,8 +359,8 @@ end(estimate=estimate, done=done, said=settings.said)
         for _ in sim.frames(6):
             pass
         np.testing.assert_allclose(to_windswept(found["shapes"][-1]), sim.followers.positions, rtol=0, atol=1e-6)
-        # Strands go with the skin: their roots end a quarter farther out, but for their distance from the facets, which stays.
-        # Measured 4.4e-3 units.
+        # Strands go with the skin: their roots end a quarter farther out, but for their distance from the facets, which
+        # stays. Measured 4.4e-3 units.
         roots = given["offsets"][sim.hair.ids]
         np.testing.assert_allclose(found["shapes"][-1][roots], 1.25 * given["hair"][roots], rtol=0, atol=6e-3)
     # A mirrored ball encloses its inside all the same.

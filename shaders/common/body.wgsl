@@ -2,8 +2,8 @@
 // of a capsule a line, and that of a plane has one side that ends. A mesh is a grid of signed distances, trilinear
 // between the nodes.
 //
-// A mesh that deforms goes from pose to pose, and has the grids of two at a time: those of every other pose in the first
-// half of its values, the rest in the second. Between two poses its distance is linear. Each pose has beside the
+// A mesh that deforms goes from pose to pose, and has the grids of two at a time: those of every other pose in the
+// first half of its values, the rest in the second. Between two poses its distance is linear. Each pose has beside the
 // distances the move of the nearest place of the surface since the pose before.
 //
 // This file has every function that depends on a body's shape: its place after a step (`place`), the signed distance of
@@ -33,8 +33,8 @@ struct Grid {
     first: u32,            // index of the first node's distance
 }
 
-// Signed distances at the nodes of all grids [m], x running fastest, then y; after those of a pose that deforms, of each
-// node a move, x, y and z [m]. The binding's number is above those that a pass has of its own.
+// Signed distances at the nodes of all grids [m], x running fastest, then y; after those of a pose that deforms, of
+// each node a move, x, y and z [m]. The binding's number is above those that a pass has of its own.
 @group(0) @binding(9) var<storage, read> distances: array<f32>;
 
 // Whether the scene has bodies, whether one is a mesh, and whether one deforms: switches (`shaders/src/lib.rs`).
@@ -153,7 +153,8 @@ fn surface_of_grid(body: Placed, x: vec3f, way: vec3f) -> Surface {
     let layer = row * grid.counts.y;
     let i = seat.z * layer + seat.y * row + seat.x;
     // Four edges along x: of both y at the lower z, of both y at the upper z.
-    let near = vec4f(at_node(body, i), at_node(body, i + row), at_node(body, i + layer), at_node(body, i + layer + row));
+    let near = vec4f(at_node(body, i), at_node(body, i + row), at_node(body, i + layer),
+        at_node(body, i + layer + row));
     let far = vec4f(at_node(body, i + 1u), at_node(body, i + row + 1u), at_node(body, i + layer + 1u),
         at_node(body, i + layer + row + 1u));
     let along_x = mix(near, far, part.x);

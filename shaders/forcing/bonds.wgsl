@@ -1,5 +1,5 @@
-// Roots go with the triangles that they are bound to: where a clamp is to be at the step's end, before the motion of its
-// body. Triangles go from pose to pose, evenly between two.
+// Roots go with the triangles that they are bound to: where a clamp is to be at the step's end, before the motion of
+// its body. Triangles go from pose to pose, evenly between two.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, quaternion::{product, frame_of}, motion::{phase_after, shape_in},
     rod::{Strand, Root}, bond::{Bond, Corners}, status::{status, frozen},

@@ -6,7 +6,8 @@
 // the clamp in every step.
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, quaternion::rotate,
-    rod::{Strand, Segment, RodStrand, RodPoint, ROOT_HELD, TELEPORTED, SLEEPS}, body::{Placed, Surface, near, steepest, swing},
+    rod::{Strand, Segment, RodStrand, RodPoint, ROOT_HELD, TELEPORTED, SLEEPS},
+    body::{Placed, Surface, near, steepest, swing},
     contact::{Contact, ContactHistory, Nearest, Place, PLANE, is_deep, nearest, seen_from},
 };
 

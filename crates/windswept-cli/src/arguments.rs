@@ -115,8 +115,8 @@ pub(crate) enum Command {
         path: Option<PathBuf>,
         #[command(flatten)]
         changes: Changes,
-        /// The adapter on which the steps are tried: part of a GPU's name, or `software` [default: $WGPU_ADAPTER_NAME, else
-        /// the best]
+        /// The adapter on which the steps are tried: part of a GPU's name, or `software` [default: $WGPU_ADAPTER_NAME,
+        /// else the best]
         #[arg(long, value_name = "NAME")]
         adapter: Option<String>,
         /// What the run writes whose time is said, as `run --formats` takes it [default: png,vtkhdf]

@@ -1,5 +1,5 @@
-//! The `windswept` command: `run`, `view`, `render`, `export`, `measure`, `spectrum`, `check`, `plan`, `groom`, `validate`,
-//! `adapters`. `spectrum`, `validate` and `view` are features of the crate, the first two on by default.
+//! The `windswept` command: `run`, `view`, `render`, `export`, `measure`, `spectrum`, `check`, `plan`, `groom`,
+//! `validate`, `adapters`. `spectrum`, `validate` and `view` are features of the crate, the first two on by default.
 //!
 //! [`run`] is the whole command. Its help names the exit statuses.
 

@@ -70,8 +70,8 @@ impl Trial {
         )
     }
 
-    /// The spacing, to three digits, with which a step takes this part of its time, in proportion to its particles; `None`
-    /// where there is none, or the scene's other keys do not go with it.
+    /// The spacing, to three digits, with which a step takes this part of its time, in proportion to its particles;
+    /// `None` where there is none, or the scene's other keys do not go with it.
     fn spacing(&self, scene: &CheckedScene, part: f64) -> Option<f64> {
         let written = scene.scene();
         let air = written.air.as_ref().filter(|air| self.air_particles > 0 && air.kernel_radius.is_none())?;

@@ -203,8 +203,8 @@ impl<'a> Particles<'a> {
         runner.read_vectors(|s| &s.viscous_velocity)
     }
 
-    /// Positions after so many Jacobi iterations of ρ = ρ0 (eq. 1), at most [`MAX_REPEATS`], each of which goes the part
-    /// `relaxation` of its way; neighbours are searched once \[m\]. Uses `mass`, `rest_density`, `radius`.
+    /// Positions after so many Jacobi iterations of ρ = ρ0 (eq. 1), at most [`MAX_REPEATS`], each of which goes the
+    /// part `relaxation` of its way; neighbours are searched once \[m\]. Uses `mass`, `rest_density`, `radius`.
     ///
     /// # Errors
     /// [`OpsError`] names the argument that is wrong, or has what the device refused.

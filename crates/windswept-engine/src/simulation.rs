@@ -65,8 +65,8 @@ pub struct Simulation {
     wind_at_start: DVec3,
     /// The wind that [`Self::set_wind`] has set last \[m/s\].
     wind_set: Option<DVec3>,
-    /// Motions of the bodies that [`Self::set_body`] has moved, and poses of those that [`Self::set_body_vertices`] has,
-    /// by their indices.
+    /// Motions of the bodies that [`Self::set_body`] has moved, and poses of those that [`Self::set_body_vertices`]
+    /// has, by their indices.
     bodies_set: BTreeMap<usize, Driven>,
     /// Poses of the bodies that deform.
     poses: Poses,
@@ -325,8 +325,8 @@ impl Simulation {
     }
 
     /// Encodes `n` steps of Δt into the caller's encoder, beside the caller's own work. Of a step that is done in part,
-    /// as one of which a substep froze, those substeps are encoded that it lacks; steps before which a body that deforms
-    /// needs another pose are left out. Call [`Self::finish_steps`] after the submit, and before the next call.
+    /// as one of which a substep froze, those substeps are encoded that it lacks; steps before which a body that
+    /// deforms needs another pose are left out. Call [`Self::finish_steps`] after the submit, and before the next call.
     pub fn encode_steps(&self, encoder: &mut wgpu::CommandEncoder, n: u64) {
         let goal = self.steps.saturating_add(n).saturating_mul(self.substeps());
         let now = u64::from(self.last.step);

@@ -286,8 +286,8 @@ state! {
     keyframes: Keyframe, |s| s.keyframes;
     /// A body before it moves: axis, radius, friction, keyframes, grid.
     bodies: Body, |s| s.bodies;
-    /// Signed distances at the nodes of the grids of all meshes \[m\]; of meshes that deform in two poses, and after those
-    /// of each the moves of the surface \[m\].
+    /// Signed distances at the nodes of the grids of all meshes \[m\]; of meshes that deform in two poses, and after
+    /// those of each the moves of the surface \[m\].
     distances: f32, |s| s.distances;
     /// Place of a root in the triangle that it is bound to, and its frame there.
     bonds: Bond, |s| s.bonds;

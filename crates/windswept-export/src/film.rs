@@ -12,7 +12,8 @@ use crate::render::View;
 pub struct Film<'a> {
     /// Number of frames.
     pub frames: usize,
-    /// Makes frame k with its hair in these units, time and again: a file is written with one frame in memory at a time.
+    /// Makes frame k with its hair in these units, time and again: a file is written with one frame in memory at a
+    /// time.
     pub frame: &'a dyn Fn(usize) -> Result<Frame, ExportError>,
     /// What it shows beside the hair, in formats that have it.
     pub scenery: &'a Scenery,

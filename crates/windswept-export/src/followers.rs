@@ -12,8 +12,8 @@
 //! their triangle, so that a rigid motion of all roots moves followers rigidly; and by the inverse square of the
 //! distance outside. At the start each follower has its own shape exactly, whatever the guides are: locks and curls do
 //! not average away. Where the group says so followers gather to locks (`clump.rs`). Segments keep the lengths that
-//! they have at the start, by a second pass over a follower's points (`lengths.rs`), and a follower that this leads into a
-//! body is laid on the body (`outside.rs`). Strands among the followers are left as the simulation has them.
+//! they have at the start, by a second pass over a follower's points (`lengths.rs`), and a follower that this leads
+//! into a body is laid on the body (`outside.rs`). Strands among the followers are left as the simulation has them.
 //!
 //! Velocities are the derivative of the places, but for how the frames turn, which is nothing where weights average the
 //! roots, and for what a body changes.

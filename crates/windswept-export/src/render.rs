@@ -43,8 +43,8 @@ const MAX_BETWEEN: u32 = 12;
 /// Draws frames of one scene.
 ///
 /// About `picture.hairs` hairs are interpolated between the simulated strands; the scene's first camera takes the
-/// picture, unless [`Renderer::look_through`] takes another. The same frame on the same adapter gives the same picture, whatever was
-/// drawn before.
+/// picture, unless [`Renderer::look_through`] takes another. The same frame on the same adapter gives the same picture,
+/// whatever was drawn before.
 #[derive(Debug)]
 pub struct Renderer {
     gpu: Gpu,
@@ -200,8 +200,8 @@ impl Renderer {
         Ok(())
     }
 
-    /// The texture that [`Self::show`] draws to, `Rgba8UnormSrgb` with views as `Rgba8Unorm`. A picture of another size has
-    /// another one.
+    /// The texture that [`Self::show`] draws to, `Rgba8UnormSrgb` with views as `Rgba8Unorm`. A picture of another size
+    /// has another one.
     #[must_use]
     pub fn shown(&self) -> &wgpu::Texture {
         self.target.picture()

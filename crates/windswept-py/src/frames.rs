@@ -18,8 +18,8 @@ pub(crate) struct Frame {
     hair: Py<FrameHair>,
     /// The air particles.
     air: Py<FrameAir>,
-    /// `(bodies, 7)` float64: translation [m] and rotation, quaternion x, y, z, w, of each body in the scene's order, as
-    /// `Simulation.set_body` takes them.
+    /// `(bodies, 7)` float64: translation [m] and rotation, quaternion x, y, z, w, of each body in the scene's order,
+    /// as `Simulation.set_body` takes them.
     bodies: Py<PyArray2<f64>>,
 }
 

@@ -43,8 +43,8 @@ use crate::{
 ///         frame.time, frame.hair.positions
 ///     sim.report()["max_stretch"]
 ///
-/// SI, right-handed, Y up. Between steps, `set_body`, `set_roots`, `set_pins`, `set_wind`, `set_force`, `set_hair` and `set_air`
-/// drive it; `run` calls back for that. `render` draws it, `VtkHdfWriter` writes it.
+/// SI, right-handed, Y up. Between steps, `set_body`, `set_roots`, `set_pins`, `set_wind`, `set_force`, `set_hair` and
+/// `set_air` drive it; `run` calls back for that. `render` draws it, `VtkHdfWriter` writes it.
 ///
 /// Args:
 ///     scene: what to simulate.
@@ -418,8 +418,8 @@ impl Simulation {
     /// is now the values are those of a new simulation. Roots, pins and a force that were set stay, and so does a wind
     /// that was set, unless the scene's wind changes.
     ///
-    /// Changes go on top of a scene that is given. Buffers on the device are made anew, strands that sleep wake, and new
-    /// warnings are `UserWarning`s.
+    /// Changes go on top of a scene that is given. Buffers on the device are made anew, strands that sleep wake, and
+    /// new warnings are `UserWarning`s.
     ///
     /// Raises:
     ///     SceneError: a fault of the scene, or the key of a value that a simulation keeps.

@@ -88,8 +88,8 @@ impl HairState {
         matrix(py, clamps.into_iter().map(|(_, frame)| frame.as_quat().to_array()).collect())
     }
 
-    /// `(points, 3)` float32 [N]: force of the air on each point in the last step, drag and lift, of all fibres that the
-    /// strand stands for.
+    /// `(points, 3)` float32 [N]: force of the air on each point in the last step, drag and lift, of all fibres that
+    /// the strand stands for.
     #[getter]
     fn drag<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f32>>> {
         matrix(py, self.loads(py)?.drag)
@@ -102,9 +102,9 @@ impl HairState {
         matrix(py, self.loads(py)?.air_velocity)
     }
 
-    /// `(strands, 3)` float32 [N]: force of each strand's first segment on its clamp in the last step, with the pressure of
-    /// other strands in it. Not a number where something else holds the strand too: a held tip, a pin, a body that it
-    /// touches; zero with interaction.model particles.
+    /// `(strands, 3)` float32 [N]: force of each strand's first segment on its clamp in the last step, with the
+    /// pressure of other strands in it. Not a number where something else holds the strand too: a held tip, a pin, a
+    /// body that it touches; zero with interaction.model particles.
     ///
     /// Raises:
     ///     RunError: there was no step since an update, a load, or a force that was set; so for drag and the others.

@@ -1,8 +1,8 @@
 //! Bodies that hair and air stay out of: `[[body]]`.
 //!
-//! This file and those of its shapes, `round_box.rs` and `solid.rs`, for the CPU, and `shaders/common/body.wgsl` for the
-//! GPU, have the code that depends on a body's shape.
-//! Other modules ask a [`CheckedShape`] for its signed distance, its bounds or its skin.
+//! This file and those of its shapes, `round_box.rs` and `solid.rs`, for the CPU, and `shaders/common/body.wgsl` for
+//! the GPU, have the code that depends on a body's shape. Other modules ask a [`CheckedShape`] for its signed distance,
+//! its bounds or its skin.
 
 use glam::{DMat3, DQuat, DVec3};
 
@@ -326,8 +326,8 @@ impl CheckedShape {
         }
     }
 
-    /// Points of the surface \[m\] and the outward normals there: of a mesh the three corners of each triangle, of a box
-    /// the four of each side, of a plane those of a square of 2 m, else a grid of `rows` from pole to pole, an even
+    /// Points of the surface \[m\] and the outward normals there: of a mesh the three corners of each triangle, of a
+    /// box the four of each side, of a plane those of a square of 2 m, else a grid of `rows` from pole to pole, an even
     /// number, and `sides` + 1 points around, of which the last is the first.
     #[must_use]
     pub fn skin(&self, rows: u32, sides: u32) -> Vec<(DVec3, DVec3)> {

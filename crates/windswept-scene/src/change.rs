@@ -17,10 +17,12 @@ use crate::{
 };
 
 table! {
-    /// One of `[[change]]`: other values of some keys from a time on, as an update of the running simulation gives them.
+    /// One of `[[change]]`: other values of some keys from a time on, as an update of the running simulation gives
+    /// them.
     #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
     pub struct Change {
-        /// Time from which the values hold, in the first step that begins then; no earlier than that of the change before.
+        /// Time from which the values hold, in the first step that begins then; no earlier than that of the change
+        /// before.
         time: f64 = NonNegative, "s", Required;
         /// Time that numbers take from their values before to the new ones, evenly; 0: at once.
         over: f64 = NonNegative, "s", Value(0.0);

@@ -293,7 +293,8 @@ pub(crate) fn syntax(text: &str, error: &TomlError) -> SceneError {
     }
 }
 
-/// The nearest key by its whole path, or one that ends in the same name. Of an unknown table of a scene the nearest table.
+/// The nearest key by its whole path, or one that ends in the same name. Of an unknown table of a scene the nearest
+/// table.
 fn unknown(path: &str, real: &str, table: bool) -> SceneError {
     let near = |key: &Key| {
         let last = |path: &str| path.rsplit('.').next().unwrap_or_default().to_owned();

@@ -1,8 +1,8 @@
 //! Meshes that deform: `body.frames`, or vertices of a caller's. A mesh goes from pose to pose; its motion is a rigid
 //! one, and what is left of it in the mesh's own place.
 //!
-//! Between two poses the rigid motion is that of keyframes, and what is left is linear: a mesh that only moves and turns
-//! keeps its shape on the way.
+//! Between two poses the rigid motion is that of keyframes, and what is left is linear: a mesh that only moves and
+//! turns keeps its shape on the way.
 
 use std::sync::Arc;
 

@@ -31,8 +31,8 @@ const COARSE_TURN: f64 = PI / 2.0;
 /// Chance is PCG XSL 128/64 (`rand_pcg`), seeded by the scene's seed and the group's index: the same on every machine.
 ///
 /// # Errors
-/// [`SceneError`] where a groom file cannot be read, or its strands cannot be simulated, and where roots are on a body that is not
-/// there. Its key is a real path, for [`Scene::located`].
+/// [`SceneError`] where a groom file cannot be read, or its strands cannot be simulated, and where roots are on a body
+/// that is not there. Its key is a real path, for [`Scene::located`].
 pub(crate) fn strands(
     scene: &SceneValues,
     particle: AirParticle,

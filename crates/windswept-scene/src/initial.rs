@@ -112,9 +112,10 @@ impl InitialState {
     /// The state at t = 0 of a scene: strands in their rest shape, air on its lattice.
     ///
     /// # Errors
-    /// [`SceneError`] when the scene has neither hair nor air, when hair fills the box of air, when `air.margin` leaves no box,
-    /// when a root is deep inside a body, when a groom file cannot be read, and when a strand's masses or compliances are beyond
-    /// what `f32` holds. It has the line of its key where the scene has a text, and none where the scene was made in code.
+    /// [`SceneError`] when the scene has neither hair nor air, when hair fills the box of air, when `air.margin` leaves
+    /// no box, when a root is deep inside a body, when a groom file cannot be read, and when a strand's masses or
+    /// compliances are beyond what `f32` holds. It has the line of its key where the scene has a text, and none where
+    /// the scene was made in code.
     pub fn new(scene: &impl AsChecked) -> Result<Self, SceneError> {
         let scene = &*scene.as_checked()?;
         let mut warnings = Vec::new();

@@ -36,9 +36,9 @@ impl Scene {
         Self::parse_with(name, text, &[])
     }
 
-    /// Reads a scene file. Paths of files in it start from its folder, and absolute ones are refused: a scene file goes to
-    /// other machines with its files. [`Self::text`]
-    /// has them absolute; [`CheckedScene::text_in`] is text for another scene file.
+    /// Reads a scene file. Paths of files in it start from its folder, and absolute ones are refused: a scene file goes
+    /// to other machines with its files. [`Self::text`] has them absolute; [`CheckedScene::text_in`] is text for
+    /// another scene file.
     ///
     /// # Errors
     /// As [`Self::parse`], and when the file cannot be read.
@@ -104,8 +104,8 @@ impl Scene {
     /// Mesh files of bodies are read here, groom files of hair by [`InitialState::new`](crate::InitialState::new).
     ///
     /// # Errors
-    /// [`SceneError`] has every fault with the path of its key, the expected value and the one found, and its line where
-    /// the scene is as it was read from a text.
+    /// [`SceneError`] has every fault with the path of its key, the expected value and the one found, and its line
+    /// where the scene is as it was read from a text.
     pub fn check(&self) -> Result<CheckedScene, SceneError> {
         self.faults().map(|values| CheckedScene::new(self.clone(), values)).map_err(|faults| {
             if !self.is_as_read() {
@@ -158,7 +158,8 @@ impl Scene {
         if let Some(key) = key { error.at(key, span) } else { error }
     }
 
-    /// A real path (`hair.0.strands`, `body.1.radius`) with names in place of indices: `hair.strands`, `body.ball.radius`.
+    /// A real path (`hair.0.strands`, `body.1.radius`) with names in place of indices: `hair.strands`,
+    /// `body.ball.radius`.
     pub(crate) fn by_name(&self, path: &str) -> String {
         let named = || {
             let (table, rest) = path.split_once('.')?;

@@ -117,8 +117,8 @@ impl Motion {
     }
 }
 
-/// Of rows whose places rise, the index of the last that is not beyond `x`, or of the first, and the part of the way to the
-/// next; 0 before the first and after the last.
+/// Of rows whose places rise, the index of the last that is not beyond `x`, or of the first, and the part of the way to
+/// the next; 0 before the first and after the last.
 pub(crate) fn phase<T>(rows: &[T], place: impl Fn(&T) -> f64, x: f64) -> (usize, f64) {
     let Some(before) = rows.partition_point(|row| place(row) <= x).checked_sub(1) else { return (0, 0.0) };
     let own = place(&rows[before]);

@@ -1,8 +1,8 @@
 //! The frame of `air.follows`, which moves as a body does without turning: in it the box of air stands still.
 //!
-//! With X(t) the way of the body since the start, a place is x' = x − X there, a velocity v' = v − V. In step n the frame
-//! has the velocity V = (X(tₙ₊₁) − X(tₙ))/Δt, so that x' + Δt v' is where x + Δt v is. The mean wind is U − V there, and what
-//! is not held loses V's change.
+//! With X(t) the way of the body since the start, a place is x' = x − X there, a velocity v' = v − V. In step n the
+//! frame has the velocity V = (X(tₙ₊₁) − X(tₙ))/Δt, so that x' + Δt v' is where x + Δt v is. The mean wind is U − V
+//! there, and what is not held loses V's change.
 
 use glam::DVec3;
 

@@ -242,8 +242,8 @@ impl Ring {
     }
 }
 
-/// The place a part of the way, 0 to 1, from `from` to `to` about a center \[m\]: direction and distance from the center go
-/// evenly.
+/// The place a part of the way, 0 to 1, from `from` to `to` about a center \[m\]: direction and distance from the
+/// center go evenly.
 #[must_use]
 pub fn around(center: DVec3, from: DVec3, to: DVec3, part: f64) -> DVec3 {
     let (a, b) = (from - center, to - center);

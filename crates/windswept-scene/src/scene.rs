@@ -181,8 +181,8 @@ table! {
         substeps: u32 = Count(1, MAX_REPEATS), "", Value(1);
         /// Length of the run.
         duration: f64 = Positive, "s", Required;
-        /// Time before the run in which hair comes to rest in still air, with roots and bodies as they are at the start. The
-        /// run begins with hair at rest there.
+        /// Time before the run in which hair comes to rest in still air, with roots and bodies as they are at the
+        /// start. The run begins with hair at rest there.
         settle: f64 = NonNegative, "s", Value(0.0);
         /// Exported frames per second.
         frame_rate: f64 = Positive, "1/s", Value(60.0);
@@ -190,8 +190,8 @@ table! {
 }
 
 impl Time {
-    /// Steps between two frames; at least 1, as no state is exported twice. A whole number where it is one to 1e-5, as of
-    /// a step that is written with few digits; else frames are at the nearest steps.
+    /// Steps between two frames; at least 1, as no state is exported twice. A whole number where it is one to 1e-5, as
+    /// of a step that is written with few digits; else frames are at the nearest steps.
     #[must_use]
     pub fn steps_per_frame(&self) -> f64 {
         let steps = 1.0 / (self.frame_rate * self.step);
@@ -211,8 +211,8 @@ impl Time {
         (steps.fract() == 0.0 && (steps * self.frame_rate * self.step - 1.0).abs() < 2e-5).then_some(steps)
     }
 
-    /// Time code of a state at `time` \[s\], in a film of `frame_rate` codes per second: frames are at whole ones where a
-    /// whole number of steps is as long as a frame.
+    /// Time code of a state at `time` \[s\], in a film of `frame_rate` codes per second: frames are at whole ones where
+    /// a whole number of steps is as long as a frame.
     #[must_use]
     pub fn code(&self, time: f64) -> f64 {
         match self.whole_steps() {

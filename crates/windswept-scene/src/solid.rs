@@ -50,8 +50,8 @@ table! {
         solid as "": Option<Solid> = Table, "", Derived("");
         /// Mesh file whose triangles enclose the body (.obj, .ply, .glb).
         file: Option<String> = PathOf, "", RequiredIf("without frames");
-        /// File of a mesh that deforms, in place of a mesh file (.npz): positions (T, n, 3), triangles (m, 3) and times (T)
-        /// in s. It moves by these poses, and has no keyframes.
+        /// File of a mesh that deforms, in place of a mesh file (.npz): positions (T, n, 3), triangles (m, 3) and times
+        /// (T) in s. It moves by these poses, and has no keyframes.
         frames: Option<String> = PathOf, "", Derived("none: the mesh keeps its shape");
         /// Metres per unit of the file: 0.01 for centimetres.
         scale: Option<f64> = Positive, "m", RequiredIf("with shape mesh, unless the file says its unit");
@@ -190,8 +190,9 @@ impl Solid {
     /// time.
     ///
     /// # Errors
-    /// [`SceneError`] where the file cannot be read, does not say its unit, or encloses nothing, and where the grid would be too large.
-    /// The error names the key of the [`MeshFile`] that is at fault: `file`, `scale`, `up`, or `resolution` where that is said.
+    /// [`SceneError`] where the file cannot be read, does not say its unit, or encloses nothing, and where the grid
+    /// would be too large. The error names the key of the [`MeshFile`] that is at fault: `file`, `scale`, `up`, or
+    /// `resolution` where that is said.
     pub fn load(file: MeshFile) -> Result<Self, SceneError> {
         let (key, path) = file.named();
         let path = Path::new(path).to_owned();
@@ -257,8 +258,8 @@ impl Solid {
         Ok(Self::of(file, content))
     }
 
-    /// Volume that a mesh encloses which is in these poses \[m\] at these times \[s\], as a file of [`MeshFile::frames`].
-    /// It has no file, so that a scene's text cannot say it.
+    /// Volume that a mesh encloses which is in these poses \[m\] at these times \[s\], as a file of
+    /// [`MeshFile::frames`]. It has no file, so that a scene's text cannot say it.
     ///
     /// # Errors
     /// As [`Self::load`].

@@ -19,8 +19,8 @@ pub(crate) struct Choice {
 }
 
 impl Choice {
-    /// Appends the key that names the table and the keys of all tables, each once. A key that not every table needs says
-    /// which one does.
+    /// Appends the key that names the table and the keys of all tables, each once. A key that not every table needs
+    /// says which one does.
     pub(crate) fn list(self, path: &str, all: &mut Vec<Key>) {
         let (first, tagged) = (all.len(), self.tag.is_some());
         if let Some(tag) = self.tag {

@@ -33,8 +33,8 @@ pub struct InflowWave {
 }
 
 impl Inflow {
-    /// Waves of one amplitude for a box of `size` \[m\], drawn by `seed`, the same on every machine: the band of `scale` has the rms
-    /// speed `intensity` in them, in parts of the wind's.
+    /// Waves of one amplitude for a box of `size` \[m\], drawn by `seed`, the same on every machine: the band of
+    /// `scale` has the rms speed `intensity` in them, in parts of the wind's.
     fn waves(&self, seed: u64, size: DVec3) -> Vec<InflowWave> {
         let mut rng = Pcg64::seed_from_u64(seed);
         let mut wave = || {

@@ -16,8 +16,8 @@ impl Scene {
         text_of(self)
     }
 
-    /// The scene as text, as it stands: the text that it was read from, or [`Self::to_toml`] where the scene was changed
-    /// since, or made in code.
+    /// The scene as text, as it stands: the text that it was read from, or [`Self::to_toml`] where the scene was
+    /// changed since, or made in code.
     #[must_use]
     pub fn text_now(&self) -> String {
         if Self::parse(self.text()).as_ref() == Ok(self) { self.text().to_owned() } else { self.to_toml() }
@@ -69,8 +69,8 @@ impl Writer {
         }
     }
 
-    /// Writes a table in this one, or into this one where the name is empty; with `many`, one more element of an array of
-    /// tables.
+    /// Writes a table in this one, or into this one where the name is empty; with `many`, one more element of an array
+    /// of tables.
     pub(crate) fn table(&mut self, name: &str, many: bool, write: impl FnOnce(&mut Self)) {
         if name.is_empty() {
             return write(self);

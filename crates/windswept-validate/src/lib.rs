@@ -1,9 +1,9 @@
 //! Checks of what the engine computes on a GPU, against formulas and numbers that were computed independently of it.
 //!
-//! A [`Check`] measures on the GPU, through [`windswept_engine::ops`] and [`windswept_engine::Simulation`], and returns a [`Row`] per
-//! claim. `windswept validate` prints the rows, `tests/formulas.rs` asserts them: each formula is written once. The
-//! expected values come from closed forms, from `windswept_reference::tables` or from the f64 reference; every row says
-//! which.
+//! A [`Check`] measures on the GPU, through [`windswept_engine::ops`] and [`windswept_engine::Simulation`], and returns
+//! a [`Row`] per claim. `windswept validate` prints the rows, `tests/formulas.rs` asserts them: each formula is written
+//! once. The expected values come from closed forms, from `windswept_reference::tables` or from the f64 reference;
+//! every row says which.
 
 mod air;
 mod confine;

@@ -56,8 +56,8 @@ impl Orbit {
         self.pitch = (self.pitch + TURN * y).clamp(-STEEPEST, STEEPEST);
     }
 
-    /// The way in the plane of the picture through `depth` \[m\] before the camera that a drag \[px\] over a picture so high
-    /// \[px\] makes \[m\].
+    /// The way in the plane of the picture through `depth` \[m\] before the camera that a drag \[px\] over a picture so
+    /// high \[px\] makes \[m\].
     pub(crate) fn way(&self, [x, y]: [f64; 2], height: f64, depth: f64) -> DVec3 {
         let [right, up, _] = self.view([1, 1]).axes();
         let metres = 2.0 * depth * (0.5 * self.fov.to_radians()).tan() / height.max(1.0);

@@ -198,8 +198,8 @@ mod tests {
         Scene::load(concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/scenes/quick.toml")).unwrap()
     }
 
-    /// Each slider of a scene finds the value that it has set, in a scene that a simulation can go on with, and no other
-    /// slider moves.
+    /// Each slider of a scene finds the value that it has set, in a scene that a simulation can go on with, and no
+    /// other slider moves.
     #[test]
     fn dials_change_what_they_show() {
         let opened = quick();

@@ -3,8 +3,8 @@
 use glam::{DVec3, Vec3};
 use windswept::{Frame, HairLoads};
 
-/// Colours from the lowest value to the highest, sRGB: dark enough at one end and saturated enough at the other to stand out
-/// from the grey behind them.
+/// Colours from the lowest value to the highest, sRGB: dark enough at one end and saturated enough at the other to
+/// stand out from the grey behind them.
 pub(crate) const RAMP: [[u8; 3]; 5] = [[38, 28, 92], [44, 92, 190], [40, 170, 150], [238, 190, 50], [206, 34, 28]];
 
 /// Part of the values that the last colour's value is above: a few fast points would leave one colour for all others.
@@ -120,8 +120,8 @@ impl AirLook {
     }
 }
 
-/// Change of length of the segment that ends at each point, over its rest length; that of a strand's first segment at its
-/// root too. `rest`: lengths of all segments \[m\].
+/// Change of length of the segment that ends at each point, over its rest length; that of a strand's first segment at
+/// its root too. `rest`: lengths of all segments \[m\].
 fn length_errors(frame: &Frame, rest: &[f64]) -> Vec<f32> {
     let now = segment_lengths(frame);
     let error = |segment: usize| Some((now.get(segment)? / rest.get(segment)? - 1.0).abs() as f32);
@@ -148,7 +148,8 @@ pub(crate) fn length(v: [f32; 3]) -> f32 {
     Vec3::from_array(v).length()
 }
 
-/// The value of the last colour; the first colour's is 0. It rises at once and falls slowly, so that no picture flickers.
+/// The value of the last colour; the first colour's is 0. It rises at once and falls slowly, so that no picture
+/// flickers.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub(crate) struct Range(pub(crate) f32);
 

@@ -1,8 +1,8 @@
 //! A window on hair in turbulent wind: `windswept view`.
 //!
 //! [`view`] opens it on a scene, which runs, or on the film of a run. The window's thread draws; another one owns the
-//! simulation. Both use one device: strands are drawn as lines straight from the engine's buffers, or in the look of pictures by the
-//! exporter's renderer.
+//! simulation. Both use one device: strands are drawn as lines straight from the engine's buffers, or in the look of
+//! pictures by the exporter's renderer.
 
 mod app;
 mod blit;
@@ -40,8 +40,8 @@ pub enum Opened {
     Run(PathBuf, Vec<String>),
 }
 
-/// Opens a window, and returns once it is closed. `out` is the folder that the window first proposes for what it writes;
-/// it is made when something is.
+/// Opens a window, and returns once it is closed. `out` is the folder that the window first proposes for what it
+/// writes; it is made when something is.
 ///
 /// # Errors
 /// [`ViewError::NoDisplay`] without a display, other [`ViewError`]s where what is opened cannot be shown.

@@ -1,4 +1,5 @@
-//! Strands as lines straight from the engine's buffers, with air and solids: nothing is read back, and no step waits for it.
+//! Strands as lines straight from the engine's buffers, with air and solids: nothing is read back, and no step waits
+//! for it.
 
 use bytemuck::{Pod, Zeroable};
 use eframe::egui::Rgba;

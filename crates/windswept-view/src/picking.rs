@@ -22,8 +22,8 @@ pub(crate) struct Point {
     pub(crate) row: usize,
 }
 
-/// The point of hair that is nearest to a place in the picture \[px\], if one is near; of several as near the one before the
-/// others.
+/// The point of hair that is nearest to a place in the picture \[px\], if one is near; of several as near the one
+/// before the others.
 pub(crate) fn point_at(frame: &Frame, view: &View, at: [f64; 2]) -> Option<Point> {
     let clip = view.clip_from_world([1.0, 2.0]);
     let size = [f64::from(view.width), f64::from(view.height)];
@@ -60,7 +60,8 @@ pub(crate) struct Grip {
     pub(crate) pose: Pose,
 }
 
-/// The nearest body at a place in the picture \[px\] that can be dragged: no plane, which has no end, and none that deforms.
+/// The nearest body at a place in the picture \[px\] that can be dragged: no plane, which has no end, and none that
+/// deforms.
 pub(crate) fn body_at(scene: &CheckedScene, frame: &Frame, view: &View, at: [f64; 2]) -> Option<Grip> {
     let way = ray(view, at);
     let most = FARTHEST * view.eye.distance(view.target);
@@ -77,7 +78,8 @@ pub(crate) fn body_at(scene: &CheckedScene, frame: &Frame, view: &View, at: [f64
     grips.min_by(|a, b| a.depth.total_cmp(&b.depth))
 }
 
-/// Way along a ray to a surface \[m\], if it comes there: by steps as long as the distance to the surface (sphere tracing).
+/// Way along a ray to a surface \[m\], if it comes there: by steps as long as the distance to the surface (sphere
+/// tracing).
 fn reached(shape: &CheckedShape, from: DVec3, way: DVec3, most: f64) -> Option<f64> {
     let mut along = 0.0;
     for _ in 0..MOST_STEPS {

@@ -29,7 +29,8 @@ pub(crate) struct Film {
 }
 
 impl Film {
-    /// Begins a film with the state now in a new folder beneath `out`, in these formats; pictures are taken with the camera.
+    /// Begins a film with the state now in a new folder beneath `out`, in these formats; pictures are taken with the
+    /// camera.
     pub(crate) fn begin(
         simulation: &mut Simulation,
         out: &Path,

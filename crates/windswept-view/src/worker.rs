@@ -113,7 +113,8 @@ pub(crate) struct Worker {
 }
 
 impl Worker {
-    /// Starts the thread, paused; `tell` is called where there is something new. `opened` is the scene as it was opened.
+    /// Starts the thread, paused; `tell` is called where there is something new. `opened` is the scene as it was
+    /// opened.
     pub(crate) fn new(
         simulation: Simulation,
         opened: Scene,
@@ -206,8 +207,8 @@ struct Work {
     dialled: Scene,
     now: Arc<Mutex<Now>>,
     tell: Box<dyn Fn() + Send>,
-    /// States that are on the screen, on a software adapter: steps that go on meanwhile would hold up each of the window's
-    /// submits, since the driver takes one at a time.
+    /// States that are on the screen, on a software adapter: steps that go on meanwhile would hold up each of the
+    /// window's submits, since the driver takes one at a time.
     seen: Option<mpsc::Receiver<u64>>,
     playing: bool,
     /// Whether it pauses after the next step.

@@ -14,8 +14,8 @@ pub(crate) fn show(rest: &[&str]) -> Result {
     run(cargo().args(["run", "--release", "--example", "hair_in_wind"]))
 }
 
-/// The program that does so. `rest`: `--full` for the paper's size, `--check` to leave numbers and pictures as they are, `--seeds` and
-/// their number.
+/// The program that does so. `rest`: `--full` for the paper's size, `--check` to leave numbers and pictures as they
+/// are, `--seeds` and their number.
 pub(crate) fn program(rest: &[&str]) -> Result<Command> {
     let known = |word: &&&str| ["--full", "--check", "--seeds"].contains(*word) || word.parse::<u32>().is_ok();
     if let Some(word) = rest.iter().find(|word| !known(word)) {

@@ -11,13 +11,13 @@ use crate::{Result, cargo, figures, line, python, say, venv, vulkan};
 pub(crate) enum Length {
     /// The tests that `cargo test` runs, and those of pytest without the mark `long`.
     Usual,
-    /// Also the window, the tests that are ignored because they take long, the Python tests marked `long`, for which Blender is
-    /// installed, a short run of the benches, and the claims about the paper's figures.
+    /// Also the window, the tests that are ignored because they take long, the Python tests marked `long`, for which
+    /// Blender is installed, a short run of the benches, and the claims about the paper's figures.
     Long,
 }
 
-/// All but the window, whose 80 crates take minutes to build and turn features of others on: these would be built a second
-/// time.
+/// All but the window, whose 80 crates take minutes to build and turn features of others on: these would be built a
+/// second time.
 const WITHOUT_WINDOW: [&str; 3] = ["--workspace", "--exclude", "windswept-view"];
 /// The feature of the command that is off by default.
 const VIEW: &str = "windswept-cli/view";

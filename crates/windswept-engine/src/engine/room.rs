@@ -90,7 +90,8 @@ impl Engine {
         Ok(())
     }
 
-    /// Sets how many points are pinned or held tips: programs made from now on have the switch `PINS` on unless it is 0.
+    /// Sets how many points are pinned or held tips: programs made from now on have the switch `PINS` on unless it
+    /// is 0.
     pub(crate) fn expect_pins(&mut self, pins: u32) {
         self.state = State::new(&Sizes { pins, ..self.state.sizes });
     }

@@ -30,12 +30,12 @@ impl Simulation {
     /// origin of its file), in place of the scene's keyframes, and keeps it until it is moved again. Hair on the body,
     /// whose roots have no keyframes of their own, goes with it. [`Self::update`] leaves the body where it was set.
     ///
-    /// Without a velocity the body comes evenly from where it is, by less than half a turn. With one, linear \[m/s\] and
-    /// angular \[rad/s\], it comes from where that velocity has it before the step, and jumps there.
+    /// Without a velocity the body comes evenly from where it is, by less than half a turn. With one, linear \[m/s\]
+    /// and angular \[rad/s\], it comes from where that velocity has it before the step, and jumps there.
     ///
     /// # Errors
-    /// [`RunError::Input`] when the scene has no body of this name, the rotation has no length, or a number is not finite
-    /// or beyond 1e18, and when the body deforms; [`RunError::Gpu`].
+    /// [`RunError::Input`] when the scene has no body of this name, the rotation has no length, or a number is not
+    /// finite or beyond 1e18, and when the body deforms; [`RunError::Gpu`].
     pub fn set_body(&mut self, name: &str, pose: Pose, velocity: Option<[DVec3; 2]>) -> Result<(), RunError> {
         let body = self.body_named(name)?;
         if self.scene.bodies[body].shape.solid().is_some_and(|solid| solid.frames().is_some()) {
@@ -72,14 +72,14 @@ impl Simulation {
         Ok(())
     }
 
-    /// Lets a mesh of the scene deform: at the end of the next step of Δt its points are at `vertices` \[m\], as many and
-    /// in the order that its file has them, in place of the scene's own motion. It comes there evenly from where it is,
-    /// and stays until it is set again. Hair on the body goes with the triangles that its roots are nearest to.
+    /// Lets a mesh of the scene deform: at the end of the next step of Δt its points are at `vertices` \[m\], as many
+    /// and in the order that its file has them, in place of the scene's own motion. It comes there evenly from where it
+    /// is, and stays until it is set again. Hair on the body goes with the triangles that its roots are nearest to.
     ///
     /// # Errors
-    /// [`RunError::Input`] when the scene has no body of this name that is a mesh, when there is not a vertex for each of
-    /// its points, when a number is not finite or beyond 1e18, and when the grid that holds the mesh would be too large;
-    /// [`RunError::Gpu`].
+    /// [`RunError::Input`] when the scene has no body of this name that is a mesh, when there is not a vertex for each
+    /// of its points, when a number is not finite or beyond 1e18, and when the grid that holds the mesh would be too
+    /// large; [`RunError::Gpu`].
     pub fn set_body_vertices(&mut self, name: &str, vertices: &[DVec3]) -> Result<(), RunError> {
         let body = self.body_named(name)?;
         let own = &self.scene.bodies[body];

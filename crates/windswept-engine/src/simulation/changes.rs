@@ -9,8 +9,8 @@ use crate::error::{Error, RunError};
 const ROUNDING: f64 = 1e-6;
 
 impl Simulation {
-    /// The scene that the simulation began with, and each [`Self::update`] since as a [`Change`] of it: a run of it goes
-    /// the same way.
+    /// The scene that the simulation began with, and each [`Self::update`] since as a [`Change`] of it: a run of it
+    /// goes the same way.
     #[must_use]
     pub fn recorded(&self) -> Scene {
         let mut scene = self.began.clone();

@@ -20,8 +20,8 @@ use crate::{
 impl Simulation {
     /// Says where the root of each strand goes: `positions` in the world \[m\], one per strand, and the ghost frames
     /// that clamp them; without frames the roots keep theirs. The roots arrive at the end of the next step of Δt, and
-    /// stay; in the frame of `air.follows`, if there is one. A root that jumps farther than its strand is long takes the
-    /// strand along in its shape, at rest. Free roots are not affected.
+    /// stay; in the frame of `air.follows`, if there is one. A root that jumps farther than its strand is long takes
+    /// the strand along in its shape, at rest. Free roots are not affected.
     ///
     /// # Errors
     /// [`RunError::Input`] when there is not one of each per strand, when one is beyond 1e18 or a frame has no length,

@@ -19,8 +19,8 @@ pub struct HairLoads {
     /// itself; in the model `two-way` it has the pressure of other strands too. Not a number where something else holds
     /// the strand as well: a held tip, a pin, a body that it touches. Zero in the model `particles`.
     pub root_force: Vec<[f32; 3]>,
-    /// Moment of each strand on its clamp, about the root \[N m\], without the inertia of the segments' own turns. Not a
-    /// number, and zero, where `root_force` is.
+    /// Moment of each strand on its clamp, about the root \[N m\], without the inertia of the segments' own turns. Not
+    /// a number, and zero, where `root_force` is.
     pub root_moment: Vec<[f32; 3]>,
 }
 
@@ -31,8 +31,8 @@ impl Simulation {
     /// that the rod gave each of them. A sleeping strand has those of its last step awake.
     ///
     /// # Errors
-    /// [`RunError::Measurement`] where there was no step since the simulation was loaded or updated, or a force was set;
-    /// [`RunError::Gpu`] when the device is lost.
+    /// [`RunError::Measurement`] where there was no step since the simulation was loaded or updated, or a force was
+    /// set; [`RunError::Gpu`] when the device is lost.
     pub fn hair_loads(&self) -> Result<HairLoads, RunError> {
         if self.last.step > 0 && self.last.step == self.loads_after {
             let words =

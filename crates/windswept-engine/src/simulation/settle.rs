@@ -17,8 +17,8 @@ const MOVING: f64 = 0.05;
 const SMALLEST: f64 = 1e-9;
 
 impl Simulation {
-    /// The simulation in which hair comes to rest before a run of this scene begins, in still air and with roots and bodies
-    /// where they are at the start, and its number of steps; `None` without `time.settle` or hair.
+    /// The simulation in which hair comes to rest before a run of this scene begins, in still air and with roots and
+    /// bodies where they are at the start, and its number of steps; `None` without `time.settle` or hair.
     ///
     /// # Errors
     /// As [`Self::with_state`].
@@ -71,8 +71,8 @@ impl Simulation {
         Ok(())
     }
 
-    /// Runs so many steps, or fewer where `stop` says so. In the first of them pins go about their bodies from where strands
-    /// start to where they are held.
+    /// Runs so many steps, or fewer where `stop` says so. In the first of them pins go about their bodies from where
+    /// strands start to where they are held.
     fn gather(&mut self, scene: &CheckedScene, steps: u64, mut stop: impl FnMut() -> bool) -> Result<(), RunError> {
         let pins = self.initial.pins.clone();
         let way = |pin: &Pinned| {

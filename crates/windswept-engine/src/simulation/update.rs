@@ -15,11 +15,12 @@ impl Simulation {
     /// air that it began in. Strands that sleep wake.
     ///
     /// Gravity, wind, gusts, inflow, force fields, bands, viscosity, friction, damping, stiffness, radius and density
-    /// of fibres, keyframes of hair and bodies, camera and picture may differ; numbers and shapes of things, and solvers,
-    /// may not. The buffers on the device are made anew: [`Self::buffers`] are others afterwards, and both exist for a moment.
+    /// of fibres, keyframes of hair and bodies, camera and picture may differ; numbers and shapes of things, and
+    /// solvers, may not. The buffers on the device are made anew: [`Self::buffers`] are others afterwards, and both
+    /// exist for a moment.
     ///
-    /// The update is kept as a change of the scene, which [`Self::recorded`] has. Changes that the simulation's own scene
-    /// still has to make stay; those of the other scene are not looked at.
+    /// The update is kept as a change of the scene, which [`Self::recorded`] has. Changes that the simulation's own
+    /// scene still has to make stay; those of the other scene are not looked at.
     ///
     /// # Errors
     /// [`Error::Scene`] for a scene with faults, and with the key of a value that a simulation keeps, such as

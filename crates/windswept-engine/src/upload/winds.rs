@@ -43,8 +43,8 @@ pub(crate) fn table(scene: &CheckedScene) -> Vec<[f32; 4]> {
     filled(rows.collect(), table_len(scene))
 }
 
-/// Table of a wind that is now `from` \[m/s\] at `before` \[s\], and that of the scene from `time` on, the end of the step
-/// that starts there.
+/// Table of a wind that is now `from` \[m/s\] at `before` \[s\], and that of the scene from `time` on, the end of the
+/// step that starts there.
 pub(crate) fn turned(scene: &CheckedScene, from: [f32; 3], before: f32, time: f64, len: usize) -> Vec<[f32; 4]> {
     let row = |u: [f64; 3], time: f64| [u[0] as f32, u[1] as f32, u[2] as f32, time as f32];
     let mut rows = vec![[from[0], from[1], from[2], before]];

@@ -1,8 +1,8 @@
 //! Followers that gather to locks, `hair.clump`.
 //!
 //! Of a group's strands some are centres: in their order those whose roots are at least the clump's size from that of
-//! each centre before. A follower is drawn to the centre whose root is nearest to its own, and then keeps the lengths of
-//! its segments:
+//! each centre before. A follower is drawn to the centre whose root is nearest to its own, and then keeps the lengths
+//! of its segments:
 //!
 //! ```text
 //! x'(t) = x(t) + a s (c(t) - x(t))        s = strength (1 - noise u)

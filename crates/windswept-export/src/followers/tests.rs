@@ -307,8 +307,8 @@ fn started(keys: &str, bodies: &str) -> (windswept_scene::CheckedScene, HairFram
 }
 
 /// Followers go toward the nearest centre's strand, by the strength times the part of the length, and keep the lengths
-/// of their segments; velocities are the change of places by time; roots and strands stay, and noise is each hair's own,
-/// by the seed.
+/// of their segments; velocities are the change of places by time; roots and strands stay, and noise is each hair's
+/// own, by the seed.
 #[test]
 fn followers_gather_to_the_nearest_centre() {
     const SIZE: f32 = 0.008;

@@ -28,8 +28,8 @@ impl Solids {
         all.as_chunks::<3>().0.to_vec()
     }
 
-    /// Position \[m\] and outward normal of each corner in a frame, which may lack its strands: their patches are then where the
-    /// scene's keyframes have them.
+    /// Position \[m\] and outward normal of each corner in a frame, which may lack its strands: their patches are then
+    /// where the scene's keyframes have them.
     #[must_use]
     pub fn corners(&self, frame: &Frame) -> Vec<[[f32; 3]; 2]> {
         let patches = patch::corners(&self.scene, &self.start, frame);

@@ -101,8 +101,8 @@ impl View {
         if forward.cross(DVec3::Y).length() > 1e-3 { DVec3::Y } else { DVec3::NEG_Z }
     }
 
-    /// Matrix from the world \[m\] to clip space, where depth is 0 to 1. `depths`: of the nearest and the farthest that is seen
-    /// \[m\].
+    /// Matrix from the world \[m\] to clip space, where depth is 0 to 1. `depths`: of the nearest and the farthest that
+    /// is seen \[m\].
     #[must_use]
     pub fn clip_from_world(&self, depths: [f64; 2]) -> DMat4 {
         let aspect = f64::from(self.width) / f64::from(self.height);

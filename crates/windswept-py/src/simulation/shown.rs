@@ -39,8 +39,8 @@ impl Simulation {
         Ok(followers.insert(Arc::new(made)).clone())
     }
 
-    /// A picture of the state now. The renderer is made once: roots near each other at the start share the hairs between
-    /// them.
+    /// A picture of the state now. The renderer is made once: roots near each other at the start share the hairs
+    /// between them.
     pub(super) fn picture(&self, engine: &mut windswept::Simulation, camera: &Camera) -> PyResult<RgbaImage> {
         let frame = windswept_export::frame(engine).map_err(|error| of_run(&error))?;
         let mut renderer = lock(&self.renderer);

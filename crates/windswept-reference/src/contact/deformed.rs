@@ -1,4 +1,5 @@
-//! A mesh that deforms in a step: the distances of two poses are mixed node by node, and so are the moves of the surface.
+//! A mesh that deforms in a step: the distances of two poses are mixed node by node, and so are the moves of the
+//! surface.
 
 use glam::DVec3;
 use windswept_scene::{DistanceGrid, Frames, Lattice, Phase};

@@ -6,8 +6,8 @@ use super::Curves;
 
 impl Curves {
     /// The curves without the points that fill an array behind their tips: not-a-numbers, repeats of the tip, or a
-    /// number such as 0 or -1 for all three coordinates where a strand ends in two or more; and how many curves had some.
-    /// A curve of which less than a segment would be left stays as it is.
+    /// number such as 0 or -1 for all three coordinates where a strand ends in two or more; and how many curves had
+    /// some. A curve of which less than a segment would be left stays as it is.
     #[must_use]
     pub fn without_padding(self) -> (Self, usize) {
         let last = |s: usize, n: usize| &self.strand(s)[..n];

@@ -1,6 +1,6 @@
 //! Polygon files, `.ply`: points as the element `vertex`, and strands as the element `strand` with `nsegs` each, as
-//! hairutil has it, or as the chains that the element `edge` makes, as MeshLab and Blender write lines. Without either, as
-//! GaussianHaircut and NeuralHaircut write them, strands have equally many points.
+//! hairutil has it, or as the chains that the element `edge` makes, as MeshLab and Blender write lines. Without either,
+//! as GaussianHaircut and NeuralHaircut write them, strands have equally many points.
 //!
 //! Source: Greg Turk's "The PLY polygon file format"; hairutil, `src/io/ply.cpp`.
 

@@ -32,8 +32,8 @@ table! {
         margin: Option<f64> = NonNegative, "m", Derived("the whole box");
         /// Rest density ρ0.
         rest_density: f64 = Positive, "kg/m³", Value(Air::REST_DENSITY);
-        /// Spacing d of the air particles, by which the air is fine or coarse: a box has its volume over d³ of them. It is
-        /// rounded along each side of the box. The paper's particles of 1.46e-7 kg are 4.837 mm apart.
+        /// Spacing d of the air particles, by which the air is fine or coarse: a box has its volume over d³ of them. It
+        /// is rounded along each side of the box. The paper's particles of 1.46e-7 kg are 4.837 mm apart.
         spacing: f64 = Length, "m", Value(Air::SPACING);
         /// Kernel radius h.
         kernel_radius: f64 = Length, "m", Derived("1.923 spacings") => value(|_scene| Air::radius_at(spacing));
@@ -53,14 +53,14 @@ table! {
         /// Largest offset of a particle from its site of the lattice at the start, along each axis, in particle
         /// spacings.
         jitter: f64 = Fraction, "", Derived("0.05 with fluid.solver divergence, 0 with pbf") => value(|scene| {
-            // A sheared lattice breaks along its planes all at once, which the pressure of solver divergence makes noise
-            // of; the moves of solver pbf melt it in any case.
+            // A sheared lattice breaks along its planes all at once, which the pressure of solver divergence makes
+            // noise of; the moves of solver pbf melt it in any case.
             if scene.fluid_solver() == FluidSolver::Divergence { JITTER } else { 0.0 }
         });
         /// Seed that draws jitter and inflow.
         seed: u64 = Count(0, u32::MAX), "", Derived("seed") => value(|scene| scene.seed);
-        /// Name of a body whose translation the box goes with: what is not held feels it as a wind against the motion. Frames and
-        /// files are in the world.
+        /// Name of a body whose translation the box goes with: what is not held feels it as a wind against the motion.
+        /// Frames and files are in the world.
         follows: Option<String> = Text, "", Derived("the box stands still");
         /// Turbulence that enters with the wind.
         inflow: Option<Inflow> = Table, "", Derived("that of turbulence.scale and intensity, unless turbulence.inflow = false");

@@ -46,12 +46,13 @@ table! {
         root: End = Choice(End::WORDS), "", Value(End::Clamped);
         /// Hold of the tips, as of the roots; clamped with rods.solver = "direct" only.
         tip: End = Choice(End::WORDS), "", Value(End::Free);
-        /// Seed that draws the group's root positions, length variation and curl phase, or the strands of its file that are
-        /// simulated.
+        /// Seed that draws the group's root positions, length variation and curl phase, or the strands of its file that
+        /// are simulated.
         seed: Option<u64> = Count(0, u32::MAX), "", Derived("from seed, another one for each group");
         /// Name of the body whose motion the roots take part in.
         body: Option<String> = Text, "", Derived("that of roots.body, else none");
-        /// Keyframes of the roots, about the centre of their shape, or about the origin of a groom file; not with a body.
+        /// Keyframes of the roots, about the centre of their shape, or about the origin of a groom file; not with a
+        /// body.
         motion: Motion = Tables, "", Derived("roots rest, or move as their body");
         /// Places along the strands that are held: at a body, or by a hair tie.
         pins as "pin": Vec<Pin> = Tables, "", Derived("no pins");
@@ -218,8 +219,8 @@ table! {
     pub struct Clump {
         /// Distance from each centre's root to the next.
         size: f64 = Length, "m", Required;
-        /// Part of the way to its centre that a hair's tip is drawn; its root stays, and between them the part grows with
-        /// the length.
+        /// Part of the way to its centre that a hair's tip is drawn; its root stays, and between them the part grows
+        /// with the length.
         strength: f64 = Kind::Within(0.0, 1.0), "", Value(0.8);
         /// Part of the strength that hairs go without at most, drawn at random.
         noise: f64 = Fraction, "", Value(0.0);
@@ -292,8 +293,8 @@ impl Hair {
         Self { name, source, fibre, stiffness, clump, friction, root, tip, seed, body, motion, pins }
     }
 
-    /// The point that the roots' motion turns about \[m\]: in a checked scene that of their body, if they have one, else
-    /// the centre of their shape, or the origin of their groom file.
+    /// The point that the roots' motion turns about \[m\]: in a checked scene that of their body, if they have one,
+    /// else the centre of their shape, or the origin of their groom file.
     #[must_use]
     pub fn center(&self) -> DVec3 {
         let patch = || self.as_drawn()?.roots.patch().map(|patch| DVec3::from_array(patch.center));

@@ -132,7 +132,8 @@ impl Roots {
         Self::Mesh(Scalp { body: body.into(), group: None })
     }
 
-    /// The shape with strands that start in this direction, of any length but 0. On a mesh they start along its normals.
+    /// The shape with strands that start in this direction, of any length but 0. On a mesh they start along its
+    /// normals.
     #[must_use]
     pub fn toward(mut self, direction: [f64; 3]) -> Self {
         match &mut self {

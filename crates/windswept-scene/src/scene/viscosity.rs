@@ -26,8 +26,8 @@ table! {
         /// on top of air's; 0 leaves it out. 0.34 is the usual 0.17 of a filter of two spacings. For fluid.solver
         /// divergence; at most 1.
         smagorinsky: f64 = NonNegative, "", Derived("0, or 0.34 with model particles and solver divergence") => value(|scene| {
-            // Where hair is in air's own sums it makes eddies that are hardly larger than the spacing, which have a limit
-            // of short steps only with this viscosity (`docs/decisions/air.md`).
+            // Where hair is in air's own sums it makes eddies that are hardly larger than the spacing, which have a
+            // limit of short steps only with this viscosity (`docs/decisions/air.md`).
             let in_sums = scene.model() == Model::Particles && scene.fluid_solver() == FluidSolver::Divergence;
             if in_sums { Viscosity::USUAL_CONSTANT } else { 0.0 }
         });

@@ -16,8 +16,8 @@ use crate::limits::MAX_GRID_VALUES;
 const REACH: f64 = 1.5;
 /// Nodes along an axis, of which one is in the coarser grid.
 const COARSE: usize = 3;
-/// Distance up to which a node is measured from the triangle that it finds \[spacings\]: air that feels a body's wall is
-/// within.
+/// Distance up to which a node is measured from the triangle that it finds \[spacings\]: air that feels a body's wall
+/// is within.
 const MEASURED: f32 = 5.5;
 /// Shift of the rows whose crossings with the surface are counted \[spacings\]: points of `f32` lie beside them.
 const ASIDE: [f64; 2] = [1.1e-8, 0.7e-8];
@@ -279,7 +279,8 @@ impl Surface<'_> {
         self.near(best.1.face, node.as_dvec3())
     }
 
-    /// Where rows of nodes cross the surface, and which way, row by row; and where each row's begin, and the last's end.
+    /// Where rows of nodes cross the surface, and which way, row by row; and where each row's begin, and the last's
+    /// end.
     fn crossings(&self, counts: [usize; 3]) -> (Vec<usize>, Vec<(f64, i32)>) {
         let mut found: Vec<(usize, f64, i32)> = Vec::new();
         for (places, corners) in self.faces.iter().zip(self.corners) {

@@ -184,9 +184,10 @@ impl DistanceGrid {
     /// Rows of nodes are shared out to the machine's cores; the values do not depend on how many there are.
     ///
     /// # Errors
-    /// [`SceneError`] where the spacing is not above 0, the grid would have too many nodes, or no node is inside; and where so many
-    /// triangles lie close to one another, or across, that their distances would take very long. Triangles with the same corners cost no
-    /// more than one. Its key is the argument that is at fault, where it is one alone.
+    /// [`SceneError`] where the spacing is not above 0, the grid would have too many nodes, or no node is inside; and
+    /// where so many triangles lie close to one another, or across, that their distances would take very long.
+    /// Triangles with the same corners cost no more than one. Its key is the argument that is at fault, where it is one
+    /// alone.
     pub fn bake(surface: &Triangles, spacing: f64, margin: f64) -> Result<Self, SceneError> {
         if spacing.is_nan() || spacing <= 0.0 {
             return Err(SceneError::new(format!("expected a spacing above 0, found {spacing} m")));

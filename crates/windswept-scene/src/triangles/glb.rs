@@ -1,5 +1,5 @@
-//! Binary glTF 2.0 files, `.glb`: the triangles of every node of the default scene, where the nodes or the joints of a skin have
-//! them.
+//! Binary glTF 2.0 files, `.glb`: the triangles of every node of the default scene, where the nodes or the joints of a
+//! skin have them.
 //!
 //! Read here and not by the crate `gltf`, whose check of a file panics on some that are broken.
 //!
@@ -267,8 +267,8 @@ impl Document {
         Ok(sums.into_iter().map(|(sum, weight)| if weight > 0.0 { sum * (1.0 / weight) } else { sum }).collect())
     }
 
-    /// Adds the triangles of a primitive, each point carried to its place, or by the joints of its skin; nothing if it has
-    /// none.
+    /// Adds the triangles of a primitive, each point carried to its place, or by the joints of its skin; nothing if it
+    /// has none.
     fn append(
         &self,
         primitive: &Primitive,

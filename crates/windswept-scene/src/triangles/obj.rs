@@ -145,8 +145,8 @@ fn words(line: &str) -> (&str, &str) {
     line.trim().split_once(char::is_whitespace).unwrap_or((line.trim(), ""))
 }
 
-/// The text of a file, lines ended as here. A line goes on behind a backslash at its end, unless it is a comment: in the
-/// place of the break stands [`CONTINUED`].
+/// The text of a file, lines ended as here. A line goes on behind a backslash at its end, unless it is a comment: in
+/// the place of the break stands [`CONTINUED`].
 fn joined(text: &str) -> String {
     let text = text.trim_start_matches('\u{feff}').replace("\r\n", "\n").replace('\r', "\n");
     let mut joined = String::with_capacity(text.len());
