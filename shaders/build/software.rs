@@ -3,11 +3,8 @@
 //!
 //! Mesa's software driver reads a storage buffer lane by lane. It reads a read-only storage texture eight lanes at
 //! once, some ten times as fast, and a constant place of a uniform once for all. A texture has the words of an array in
-//! texels of one, two or four, row by row; an element of more words takes several texels. Texels and the uniforms'
-//! words hold bits, and a load turns them into what the shader reads, so that all texts of a pass give the same bits.
-//!
-//! A constant place of a uniform is read once only if no branch comes before, so that a text first copies what it reads
-//! of uniforms.
+//! texels of one, two or four, row by row; an element of more words takes several texels. Texels hold bits, and a load
+//! turns them into what the shader reads, so that all texts of a pass give the same bits.
 //!
 //! A texture is a copy of the array's buffer, which is worth it for arrays whose elements some pass reads in a loop,
 //! and for those that no pass writes, which are copied once in a step and compile faster as textures.
@@ -101,7 +98,7 @@ fn variable_of(function: &Function, pointer: Handle<Expression>) -> Option<Handl
     }
 }
 
-/// The text of a pass for software adapters, and what is in another place there, by the numbers of the bindings.
+/// The text of a pass for software adapters, and which arrays lie elsewhere there, by the numbers of their bindings.
 pub(crate) fn text_for_software(
     text: &str,
     module: &Module,
@@ -109,7 +106,6 @@ pub(crate) fn text_for_software(
     reads: &Reads,
 ) -> Result<(String, BTreeMap<u32, Place>)> {
     let (mut text, mut places) = (text.to_owned(), BTreeMap::new());
-    let mut words = BTreeMap::new();
     for (handle, variable) in module.global_variables.iter() {
         let (Some(name), Some(binding)) = (variable.name.as_deref(), &variable.binding) else { continue };
         let AddressSpace::Storage { access } = variable.space else { continue };
@@ -120,13 +116,15 @@ pub(crate) fn text_for_software(
         let mode = if access.contains(naga::StorageAccess::STORE) { "read_write" } else { "read" };
         let declaration = format!("var<storage, {mode}> {name}: ");
         let (before, rest) = text.split_once(&declaration).ok_or_else(|| format!("no `{declaration}`"))?;
-        let (_, after) = rest.split_once(';').ok_or_else(|| format!("no end of `{declaration}`"))?;
-        let (made, place) = match &module.types[variable.ty].inner {
-            TypeInner::Struct { members, span } => {
-                let declaration = format!("var<uniform> {name}: array<vec4<u32>, {}>;", span.div_ceil(16));
-                let read = words.entry(name.to_owned()).or_default();
-                let mut with_words = |text| with_words(text, name, module, members, read);
-                (format!("{}{declaration}{}", with_words(before)?, with_words(after)?), Place::Uniform)
+        let (kind, after) = rest.split_once(';').ok_or_else(|| format!("no end of `{declaration}`"))?;
+        let place;
+        (text, place) = match &module.types[variable.ty].inner {
+            TypeInner::Struct { members, .. } => {
+                let (before, after) = (without_atomics(before, name)?, without_atomics(after, name)?);
+                let fields = fields_in_uniform(module, members)?;
+                let declared =
+                    format!("var<uniform> {name}: {kind}InUniform;\n\nstruct {kind}InUniform {{\n{fields}}}\n");
+                (format!("{before}{declared}{after}"), Place::Uniform)
             }
             TypeInner::Array { base, size: ArraySize::Dynamic, stride } if reads.in_texture(name) => {
                 let (before, after, texel) = (loaded(before, name)?, loaded(after, name)?, texel(*stride));
@@ -136,38 +134,22 @@ pub(crate) fn text_for_software(
             }
             _ => continue,
         };
-        text = made;
         places.insert(binding.binding, place);
     }
-    Ok((with_copies_of_uniforms(&text, &words)?, places))
+    Ok((with_copies_of_uniforms(&text)?, places))
 }
 
-/// The text with a private copy of each uniform, which the entry point makes before all else; of a uniform of words, a
-/// copy of each word whose place is a number in the text.
+/// The text with a private copy of each uniform, which the entry point makes before all else.
 ///
 /// The driver reads a constant place of a uniform once for all lanes if no branch comes before, and else lane by lane.
-fn with_copies_of_uniforms(text: &str, words: &BTreeMap<String, BTreeSet<u32>>) -> Result<String> {
+fn with_copies_of_uniforms(text: &str) -> Result<String> {
     const UNIFORM: &str = "var<uniform> ";
     let (mut made, mut copies, mut rest) = (String::new(), String::new(), text);
     while let Some((before, after)) = rest.split_once(UNIFORM) {
         let (declaration, after) = after.split_once(';').ok_or("the declaration of a uniform does not end")?;
         let (name, kind) = declaration.split_once(": ").ok_or("a uniform has no type")?;
-        let taken: Vec<_> = match words.get(name) {
-            Some(words) => {
-                made += &format!("{before}{UNIFORM}{declaration};");
-                let from = |word: &u32| format!("{name}[{}u][{}u]", word / 4, word % 4);
-                words.iter().map(|word| (copy_of_word(name, *word), "u32", from(word))).collect()
-            }
-            None => {
-                let uniform = format!("{name}_uniform");
-                made += &format!("{before}{UNIFORM}{uniform}: {kind};");
-                vec![(name.to_owned(), kind, uniform)]
-            }
-        };
-        for (copy, kind, from) in taken {
-            made += &format!("\n\nvar<private> {copy}: {kind};");
-            copies += &format!("    {copy} = {from};\n");
-        }
+        made += &format!("{before}{UNIFORM}{name}_uniform: {kind};\n\nvar<private> {name}: {kind};");
+        copies += &format!("    {name} = {name}_uniform;\n");
         rest = after;
     }
     made += rest;
@@ -177,9 +159,29 @@ fn with_copies_of_uniforms(text: &str, words: &BTreeMap<String, BTreeSet<u32>>) 
     Ok(made)
 }
 
-/// Name of the copy of a uniform's word.
-fn copy_of_word(name: &str, word: u32) -> String {
-    format!("{name}_word_{word}")
+/// Members of a struct as they lie in a uniform: without atomics, and up to the first array of words, which a uniform
+/// cannot have.
+fn fields_in_uniform(module: &Module, members: &[StructMember]) -> Result<String> {
+    let kinds = members.iter().map_while(|member| match module.types[member.ty].inner {
+        TypeInner::Array { .. } => None,
+        TypeInner::Atomic(scalar) => Some((member, Ok(scalar_name(scalar).to_owned()))),
+        _ => Some((member, type_name(module, member.ty))),
+    });
+    kinds
+        .map(|(member, kind)| Ok(format!("    {}: {},\n", member.name.as_deref().unwrap_or_default(), kind?)))
+        .collect()
+}
+
+/// The text with plain loads of the members of a struct in place of atomic ones.
+fn without_atomics(text: &str, name: &str) -> Result<String> {
+    let pattern = format!("atomicLoad(&{name}.");
+    let mut parts = text.split(&pattern);
+    let mut made = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let (member, after) = part.split_once(')').ok_or_else(|| format!("no end of `{pattern}`"))?;
+        made += &format!("{name}.{member}{after}");
+    }
+    Ok(made)
 }
 
 /// Bytes of a texel for elements of so many bytes: the most of 4, 8 and 16 of which they are a multiple.
@@ -209,64 +211,6 @@ fn load(name: &str, module: &Module, base: Handle<Type>, stride: u32) -> Result<
         .collect();
     let (kind, element) = (type_name(module, base)?, element(module, base, 0, texel)?);
     Ok(format!("fn load_{name}(e: u32) -> {kind} {{\n{loads}    return {element};\n}}\n"))
-}
-
-/// The text with words of the uniform `name` in place of each `name.member`, atomic or not. Words whose place is a
-/// number are those of the copies, and are added to `read`.
-fn with_words(
-    text: &str,
-    name: &str,
-    module: &Module,
-    members: &[StructMember],
-    read: &mut BTreeSet<u32>,
-) -> Result<String> {
-    let mut word = |scalar: Scalar, first: u32, index: &str| {
-        let bits = match index.trim_end_matches('u').parse::<u32>() {
-            Ok(index) => {
-                read.insert(first + index);
-                copy_of_word(name, first + index)
-            }
-            Err(_) => format!("{name}[({first}u + u32({index})) / 4u][({first}u + u32({index})) % 4u]"),
-        };
-        if scalar.kind == ScalarKind::Uint { bits } else { format!("bitcast<{}>({bits})", scalar_name(scalar)) }
-    };
-    let mut made = String::new();
-    let mut rest = text;
-    let pattern = format!("{name}.");
-    while let Some(at) = rest.find(&pattern) {
-        let (before, from) = rest.split_at(at);
-        let inside = &from[pattern.len()..];
-        if ends_in_word(before) {
-            made += before;
-            made += &pattern;
-            rest = inside;
-            continue;
-        }
-        let end = inside.find(|c: char| !c.is_alphanumeric() && c != '_').unwrap_or(inside.len());
-        let (field, after) = inside.split_at(end);
-        let member = members.iter().find(|member| member.name.as_deref() == Some(field));
-        let member = member.ok_or_else(|| format!("{name} has no member {field:?}"))?;
-        let first = member.offset / 4;
-        let scalar = |ty: Handle<Type>| match module.types[ty].inner {
-            TypeInner::Scalar(scalar) | TypeInner::Atomic(scalar) => Ok(scalar),
-            ref other => Err(format!("{name}.{field}: {other:?} is no word")),
-        };
-        let (before, value, after) = match (&module.types[member.ty].inner, after.strip_prefix('[')) {
-            (TypeInner::Array { base, .. }, Some(inside)) => {
-                let (index, after) = closed(inside)?;
-                (before, word(scalar(*base)?, first, index), after)
-            }
-            _ => (before, word(scalar(member.ty)?, first, "0"), after),
-        };
-        let (before, after) = match (before.strip_suffix("atomicLoad(&"), after.strip_prefix(')')) {
-            (Some(before), Some(after)) => (before, after),
-            _ => (before, after),
-        };
-        made += before;
-        made += &value;
-        rest = after;
-    }
-    Ok(made + rest)
 }
 
 /// Whether a text ends within a word, or with the dot before a member.

@@ -9,5 +9,5 @@ struct Entry {
 
 // Way of the frame from the start to the step's end [m].
 fn frame_place() -> vec3f {
-    return vec3f(status.frame_place[0], status.frame_place[1], status.frame_place[2]);
+    return status.frame_place;
 }

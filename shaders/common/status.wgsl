@@ -26,6 +26,7 @@ const BY_UPDATE: u32 = 1u;   // rods/update after the solve,
 const BY_HOLD: u32 = 2u;     // commit/hold at the end
 const NO_POINT: u32 = 0xffffffffu;
 
+// Arrays of words stand at the end: a uniform, as which software adapters read the rest, has none.
 struct Status {
     causes: atomic<u32>,              // bits above
     step: u32,                        // committed engine steps
@@ -42,18 +43,18 @@ struct Status {
     first_bad_air: atomic<u32>,       // smallest id
     stretch: atomic<u32>,             // max |l/l0 - 1| in this step, the bits of a positive f32
     max_stretch: u32,                 // that of the committed steps
+    wind: vec3f,                      // m/s, mean wind at the end of this step
     inspected: u32,                   // 1: this step began with `forcing/reset`
-    hair_outside: atomic<u32>,        // hair points outside the box of air, this step
-    outside_steps: u32,               // consecutive steps with many of them
-    path_beside: atomic<u32>,         // d, farthest way of air beside bodies in this step, the bits of a positive f32
-    off_steps: u32,                   // consecutive steps in which the density of the air beside bodies was off
-    wind: array<f32, 3>,              // m/s, mean wind at the end of this step
-    wind_before: array<f32, 3>,       // m/s, at its start
+    wind_before: vec3f,               // m/s, at its start
     fastest_wind: f32,                // m/s, largest speed of the mean wind in its table
-    wind_path: array<f32, 3>,         // m, that the wind has blown in committed steps, wrapped into the box
-    frame_place: array<f32, 3>,       // m, way of the frame (`common/frame.wgsl`) from the start to the end of this step
-    frame_velocity: array<f32, 3>,    // m/s, of the frame in this step
-    frame_change: array<f32, 3>,      // m/s, of that velocity from the step before
+    wind_path: vec3f,                 // m, that the wind has blown in committed steps, wrapped into the box
+    hair_outside: atomic<u32>,        // hair points outside the box of air, this step
+    frame_place: vec3f,               // m, way of the frame (`common/frame.wgsl`) from the start of the run
+    outside_steps: u32,               // consecutive steps with many of them outside
+    frame_velocity: vec3f,            // m/s, of the frame in this step
+    path_beside: atomic<u32>,         // d, farthest way of air beside bodies in this step, the bits of a positive f32
+    frame_change: vec3f,              // m/s, of that velocity from the step before
+    off_steps: u32,                   // consecutive steps in which the density of the air beside bodies was off
     frame_step: u32,                  // number of the step, from 1, whose frame that is
     counted: array<u32, COUNTERS>,    // by cause, committed steps
     counting: array<atomic<u32>, COUNTERS>, // by cause, this step

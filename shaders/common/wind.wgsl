@@ -4,17 +4,17 @@ import package::common::{params::params, status::status};
 
 // U at the end of the step [m/s].
 fn mean_wind() -> vec3f {
-    return vec3f(status.wind[0], status.wind[1], status.wind[2]);
+    return status.wind;
 }
 
 // U at the start of the step [m/s].
 fn wind_before() -> vec3f {
-    return vec3f(status.wind_before[0], status.wind_before[1], status.wind_before[2]);
+    return status.wind_before;
 }
 
 // Way by which the wind has carried the inflow's eddies since the start of the run [m].
 fn wind_path() -> vec3f {
-    return vec3f(status.wind_path[0], status.wind_path[1], status.wind_path[2]);
+    return status.wind_path;
 }
 
 // Depth behind the face that the wind enters through, per axis [m].

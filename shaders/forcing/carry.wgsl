@@ -18,7 +18,7 @@ import package::common::{
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let s = invocation(id, groups);
     if (s >= params.strands) | frozen() { return; }
-    let change = vec3f(status.frame_change[0], status.frame_change[1], status.frame_change[2]);
+    let change = status.frame_change;
     if all(change == vec3f(0.0)) { return; }
     let strand = strands[s];
     if strand_history[s].condition.resting == SLEEPS { strand_history[s].condition.resting = 0u; }

@@ -20,10 +20,8 @@ fn main() {
         }
     }
     let is_new = status.frame_step != status.step + 1u;
-    for (var axis = 0u; axis < 3u; axis++) {
-        status.frame_change[axis] = select(0.0, now.velocity[axis] - status.frame_velocity[axis], is_new);
-        status.frame_velocity[axis] = now.velocity[axis];
-        status.frame_place[axis] = now.place[axis];
-    }
+    status.frame_change = select(vec3f(0.0), now.velocity - status.frame_velocity, is_new);
+    status.frame_velocity = now.velocity;
+    status.frame_place = now.place;
     status.frame_step = status.step + 1u;
 }

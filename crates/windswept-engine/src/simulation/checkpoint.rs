@@ -31,7 +31,7 @@ use crate::{
 };
 
 /// Format of the files. It rises when a section gets another content, or a buffer that lasts another layout or meaning.
-const FORMAT: u32 = 13;
+const FORMAT: u32 = 14;
 
 const ABOUT: &str = "about";
 const SCENE: &str = "scene";
