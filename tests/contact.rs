@@ -1,15 +1,13 @@
 //! Hair in contact, and on pins: a ball through it, a head in strong wind, rest, what wakes, pins that turn with a
 //! head, anything among three bodies.
 
-#![allow(clippy::unwrap_used)]
-
-mod support;
-
 use glam::{DQuat, DVec3};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept::Simulation;
 use windswept_scene::{Air, Body, CheckedShape, End, Groom, Hair, InitialState, Keyframe, Rods, Roots, Scene};
+
+use crate::support;
 
 fn start(scene: &Scene) -> Simulation {
     Simulation::new(&support::gpu(), scene).unwrap()

@@ -1,11 +1,10 @@
 //! Bodies that deform: a mesh goes from pose to pose, hair on it goes with its triangles, and hair and air stay out.
-#![allow(clippy::unwrap_used, missing_docs)]
-
-mod support;
 
 use glam::{DQuat, DVec3};
 use windswept::{Checkpoint, Simulation};
 use windswept_scene::*;
+
+use crate::support;
 
 const STEP: f64 = 1.38e-3;
 
@@ -178,8 +177,8 @@ fn a_ball_that_grows_pushes_hair_and_air_out() {
     assert!((mean - 0.01 / TIME).abs() < 0.015, "{mean} m/s, not {}", 0.01 / TIME);
 }
 
-/// A strand that lies on a belt, the flat top of a block that is sheared, is taken along by friction at the speed of the
-/// surface.
+/// A strand that lies on a belt, the flat top of a block that is sheared, is taken along by friction at the speed of
+/// the surface.
 #[test]
 fn friction_goes_with_the_surface() {
     let block = Triangles {

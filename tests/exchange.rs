@@ -2,11 +2,9 @@
 //! air's own sums, the force on strands that stand still in boxes so large that the flow around them has room, a porous
 //! strip across a channel, a bundle of strands, a mat that lies for ten seconds, and hair that comes to rest on bodies.
 
-#![allow(clippy::unwrap_used, missing_docs)]
-
-mod support;
-
 use windswept_validate::LONG_CHECKS;
+
+use crate::support;
 
 /// One ignored test per check, and a reason that says how long it takes; none is left out.
 macro_rules! checks {

@@ -1,12 +1,10 @@
 //! `air.follows`: the frame that goes with a body.
-#![allow(clippy::unwrap_used, missing_docs)]
-
-#[path = "support/mod.rs"]
-mod support;
 
 use glam::{DQuat, DVec3};
 use windswept::{Checkpoint, Frame, Simulation};
 use windswept_scene::*;
+
+use crate::support;
 
 const SPEED: f64 = 2.0;
 const LENGTH: f64 = 0.12;
@@ -75,8 +73,8 @@ fn a_head_that_moves_equals_one_in_a_wind() {
     }
 }
 
-/// Hair feels the acceleration of its frame as a weight: on a head that starts at once it stays behind, and by keyframes
-/// and by a host alike it is where hair is whose head moves in a box at rest, in a jet and in still air.
+/// Hair feels the acceleration of its frame as a weight: on a head that starts at once it stays behind, and by
+/// keyframes and by a host alike it is where hair is whose head moves in a box at rest, in a jet and in still air.
 #[test]
 fn hair_stays_behind_a_head_that_starts() {
     let motion: Motion = [moved(0.05, 0.0), moved(0.12, 0.035), moved(0.2, 0.035)].into();

@@ -1,13 +1,12 @@
 //! Force fields and a force that is set, in whole simulations: effects that `windswept validate` does not measure.
-#![allow(clippy::unwrap_used, missing_docs)]
-
-mod support;
 
 use std::sync::{Arc, Mutex};
 
 use glam::DVec3;
 use windswept::{Accelerations, Frame, RunError, Simulation};
 use windswept_scene::{Air, Force, Hair, Model, Roots, Scene, Time};
+
+use crate::support;
 
 /// Few and short strands in a small box, in a wind along x \[m/s\].
 fn scene(model: Model, wind: f64) -> Scene {
@@ -141,6 +140,7 @@ fn wrong_accelerations_are_named() {
 /// Fields of a hundred metres a second, of a millimetre, of a length that nothing has, and forces that tear leave
 /// numbers.
 #[test]
+#[ignore = "long: 19 s of CPU time"]
 fn harsh_fields_leave_numbers() {
     const AT: [f64; 3] = [0.05, 0.03, 0.03];
     for model in [Model::TwoWay, Model::Particles, Model::Drag] {

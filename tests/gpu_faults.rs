@@ -1,11 +1,10 @@
 //! A fault of a GPU is an error that names it, or the engine works in another way: a device that is lost, that runs out
 //! of memory or allows little.
-#![allow(clippy::unwrap_used)]
-
-mod support;
 
 use windswept::{Error, Gpu, GpuError, Simulation, gpu::wgpu};
 use windswept_scene::{Air, Body, FluidSolver, Groom, Hair, InitialState, Model, Roots, Scene, Time, Turbulence};
+
+use crate::support;
 
 fn scene() -> Scene {
     let mut scene = Scene::new(Time::new(1e-3, 1.0));

@@ -1,16 +1,14 @@
 //! The grid filter against the whole sum over particles and periodic images, in f64.
-#![allow(clippy::unwrap_used, missing_docs)]
-
-mod support;
 
 use std::f64::consts::{E, TAU};
 
 use glam::DVec3;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use support::VOLUME;
 use windswept_scene::{Filter, GridFilter};
 use windswept_validate::internals::{Cloud, waves};
+
+use crate::support::{self, VOLUME};
 
 /// The whole sum takes its time: one particle of so many has one.
 const SAMPLED: usize = 16;

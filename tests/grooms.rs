@@ -1,7 +1,4 @@
 //! Strands of the caller's own on an adapter: flat fibres, and ends that are held in every way.
-#![allow(clippy::unwrap_used, missing_docs)]
-
-mod support;
 
 use std::f64::consts::PI;
 
@@ -9,6 +6,8 @@ use glam::{DQuat, DVec3};
 use windswept::Simulation;
 use windswept_scene::{End, Fibre, Groom, Integrator, Moduli, RestShape, Rods, Scene, Stiffness};
 use windswept_validate::internals::GRAVITY;
+
+use crate::support;
 
 fn scene(step: f64, rods: Rods) -> Scene {
     Scene { gravity: [0.0, -GRAVITY, 0.0], rods, ..support::alone(step, []) }

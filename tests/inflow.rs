@@ -1,13 +1,11 @@
 //! The wind in its box of air: from any side, with gusts, set at run time, with eddies of its own.
-#![allow(clippy::unwrap_used, missing_docs)]
-
-mod support;
 
 use glam::DVec3;
-use support::lattice;
 use windswept::Simulation;
 use windswept_scene::{Gust, Inflow, InitialState, Scene};
 use windswept_validate::internals::SIMPLE;
+
+use crate::support::{self, lattice};
 
 /// Thickness of the fringe \[m\].
 const FRINGE: f64 = 0.015;

@@ -1,9 +1,5 @@
 //! Every key that a scene may have: another value changes the result or has a warning that nothing reads it, and a
 //! running simulation takes it or names it.
-#![allow(clippy::unwrap_used, missing_docs)]
-
-#[path = "support/mod.rs"]
-mod support;
 
 use std::collections::BTreeSet;
 
@@ -12,6 +8,8 @@ use windswept_scene::{
     keys::{KEYS, Key, Kind},
     *,
 };
+
+use crate::support;
 
 /// Keys with values of their type that differ from those of [`tuft`], and change what a few steps give.
 const COMMON: &[(&str, &str)] = &[
@@ -307,6 +305,7 @@ fn keys_act_or_have_a_warning_with_model_two_way() {
 }
 
 #[test]
+#[ignore = "long: 17 s of CPU time"]
 fn keys_act_or_have_a_warning_with_model_particles() {
     check_common(Model::Particles);
 }

@@ -1,12 +1,10 @@
 //! Forces on hair and samples of the air, against the laws.
-#![allow(clippy::unwrap_used, missing_docs)]
-
-#[path = "support/mod.rs"]
-mod support;
 
 use glam::DVec3;
 use windswept::{RunError, Simulation};
 use windswept_scene::*;
+
+use crate::support;
 
 /// Strands without weight in a uniform wind.
 fn strands(direction: [f64; 3], model: Model) -> Scene {

@@ -2,12 +2,11 @@
 //!
 //! Mesa's software driver compiles a shader anew at every dispatch, and keeps what it compiled, where a branch that
 //! depends on uniforms alone leaves out half of the shader.
-#![allow(clippy::unwrap_used)]
-
-mod support;
 
 use windswept::Simulation;
 use windswept_scene::Scene;
+
+use crate::support;
 
 /// Names the case to the process that runs it.
 const CASE: &str = "WINDSWEPT_MEMORY_CASE";
@@ -47,6 +46,7 @@ fn sets(case: usize) -> Option<Vec<String>> {
 }
 
 #[test]
+#[ignore = "long: 27 s of CPU time"]
 fn memory_is_flat() {
     if let Ok(case) = std::env::var(CASE) {
         let sets = sets(case.parse().unwrap()).unwrap();
@@ -55,7 +55,7 @@ fn memory_is_flat() {
     for (case, sets) in (0..).map_while(|case| Some((case, sets(case)?))) {
         // In a process of its own: elsewhere what is left behind may lie where the device of an earlier case was.
         let mut process = std::process::Command::new(std::env::current_exe().unwrap());
-        process.args(["memory_is_flat", "--exact", "--nocapture"]).env(CASE, case.to_string());
+        process.args(["memory::memory_is_flat", "--exact", "--nocapture"]).env(CASE, case.to_string());
         let output = process.output().unwrap();
         let text = String::from_utf8(output.stdout).unwrap();
         let grown = text.lines().find_map(|line| line.strip_prefix(GROWN)).and_then(|mb| mb.parse::<f64>().ok());

@@ -1,14 +1,13 @@
 //! Single passes on arrays of the caller's own work in free space as in a box, and name bad arguments.
 //! `windswept_validate`'s check `reference` compares them with the reference, `tests/passes` the passes below them on
 //! many sizes and layouts.
-#![allow(clippy::unwrap_used, missing_docs)]
-
-mod support;
 
 use glam::DVec3;
 use windswept::ops::{OpsError, Particles};
 use windswept_scene::{Air, DirectFilter, Filter};
 use windswept_validate::internals::{Cloud, vectors};
+
+use crate::support;
 
 /// Largest difference over the largest value.
 fn error(got: &[[f32; 3]], wanted: &[[f32; 3]]) -> f64 {

@@ -1,8 +1,5 @@
 //! Hair and air in one fluid, as no row of `windswept validate` (tests/formulas.rs) measures it: momentum of a density
 //! correction, and strands of many points.
-#![allow(clippy::unwrap_used, missing_docs)]
-
-mod support;
 
 use glam::DVec3;
 use windswept::{
@@ -10,6 +7,8 @@ use windswept::{
     internals::{Engine, Plan, Recorder, Setup, step},
 };
 use windswept_scene::{Air, Fibre, Hair, Model, Roots, Scene, Strands, Time};
+
+use crate::support;
 
 /// The density correction moves pairs by equal and opposite m dx: hair and air of different masses, no clamped root.
 #[test]

@@ -1,12 +1,10 @@
 //! `[[hair.pin]]`: points of hair that are held at bodies, and hair ties.
-#![allow(clippy::unwrap_used, missing_docs)]
-
-#[path = "support/mod.rs"]
-mod support;
 
 use glam::DVec3;
 use windswept::Simulation;
 use windswept_scene::*;
+
+use crate::support;
 
 const RADIUS: f64 = 0.09;
 

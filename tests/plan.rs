@@ -1,11 +1,10 @@
 //! Passes that run for each kind of scene; a pass that is left out would have changed no result.
-#![allow(clippy::unwrap_used)]
-
-mod support;
 
 use windswept::internals::{Aliasing, AnyArray, Decision, Engine, Plan, Recorder, Recording, Setup, State, step};
 use windswept_scene::{CheckedScene, InitialState, Scene};
 use windswept_shaders::{self as shaders, Operations};
+
+use crate::support;
 
 /// The small brush with some keys set, and perhaps without its hair or its air.
 fn scene(sets: &[&str], without: Option<&str>) -> CheckedScene {
@@ -53,7 +52,7 @@ const CASES: [Case; 11] = [
 ];
 
 /// A scene's step has the passes of its snapshot, tests/snapshots, and no others. `INSTA_UPDATE=always cargo test
-/// --test plan` writes the snapshots anew.
+/// --test engine plan` writes the snapshots anew.
 #[test]
 fn a_scene_runs_what_it_needs() {
     for (name, sets, without) in CASES {

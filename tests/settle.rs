@@ -1,12 +1,10 @@
 //! Hair that comes to rest before a run.
-#![allow(clippy::unwrap_used, missing_docs)]
-
-#[path = "support/mod.rs"]
-mod support;
 
 use glam::DVec3;
 use windswept::{Error, HairFrame, Simulation};
 use windswept_scene::*;
+
+use crate::support;
 
 /// A tuft that is drawn to the side above a ball, in wind, with roots and ball that move.
 fn tuft() -> Scene {

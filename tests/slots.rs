@@ -1,14 +1,12 @@
 //! Air in the order of cells: the order in memory changes from step to step, and a caller sees stable ids.
-#![allow(clippy::unwrap_used, missing_docs)]
-
-mod support;
 
 use glam::DVec3;
 use rand::{SeedableRng, seq::SliceRandom};
 use rand_pcg::Pcg64;
-use support::{MASS, RADIUS, VOLUME};
 use windswept::{Simulation, ops::Particles};
 use windswept_scene::{Band, Filter, FluidSolver, InitialState, Scene};
+
+use crate::support::{self, MASS, RADIUS, VOLUME};
 
 /// Side of the box \[m\].
 const SIDE: f64 = 0.06;

@@ -1,14 +1,13 @@
 //! Hair and air that exchange drag in any wind, on the software adapter: no strand or particle is lost, stretched or
 //! shot away.
-#![allow(clippy::unwrap_used, missing_docs)]
-
-mod support;
 
 use windswept::{
     Gpu, Simulation,
     internals::{Engine, Plan, Recorder, Setup, step},
 };
 use windswept_scene::{Air, Fibre, Hair, InitialState, Model, Roots, Scene, Time};
+
+use crate::support;
 
 /// Number of steps of a run.
 const STEPS: u32 = 24;

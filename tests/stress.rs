@@ -1,9 +1,8 @@
 //! A cut of `cargo xtask bench stress` on the software adapter: one or two settings of each stress.
-#![allow(clippy::unwrap_used, missing_docs)]
-
-mod support;
 
 use windswept_validate::stress::{Extent, STRESSES};
+
+use crate::support;
 
 fn assert_holds(name: &str) {
     let stress = STRESSES.iter().find(|stress| stress.name == name).unwrap_or_else(|| panic!("no stress {name}"));

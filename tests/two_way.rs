@@ -1,13 +1,12 @@
 //! Whole runs in the model `two-way`: strands in still air sleep until a wind comes, and a root that moves through
 //! still air is a root at rest in wind.
-#![allow(clippy::unwrap_used, missing_docs)]
-
-mod support;
 
 use glam::DVec3;
 use windswept::Simulation;
 use windswept_scene::{Air, Hair, InitialState, Keyframe, Roots, Scene, Time};
 use windswept_shaders::common::rod::SLEEPS;
+
+use crate::support;
 
 /// Three hairs that hang from about a place in air, in a wind along x that begins at once \[m/s\].
 fn hanging(center: [f64; 3], wind: f64) -> Scene {

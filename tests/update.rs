@@ -1,12 +1,10 @@
 //! A simulation goes on with another scene.
-#![allow(clippy::unwrap_used, missing_docs)]
-
-#[path = "support/mod.rs"]
-mod support;
 
 use glam::{DQuat, DVec3};
 use windswept::Simulation;
 use windswept_scene::*;
+
+use crate::support;
 
 /// A tuft with bodies, a jet, bands, and an inflow, in a small box.
 fn scene() -> Scene {
@@ -68,8 +66,8 @@ fn changes() -> Vec<Change> {
     ]
 }
 
-/// A simulation that has stepped keeps its state; the step after it is another one where the change acts, and one to the
-/// same scene and back leaves the bits as they are.
+/// A simulation that has stepped keeps its state; the step after it is another one where the change acts, and one to
+/// the same scene and back leaves the bits as they are.
 #[test]
 fn updates_keep_the_state() {
     let gpu = support::gpu();
@@ -142,8 +140,8 @@ fn apart(a: &Simulation, b: &Simulation) -> f64 {
     a.into_iter().zip(b).map(|(x, y)| vector(x).distance(vector(y))).fold(0.0, f64::max)
 }
 
-/// A body that is set before every step is one with these keyframes: hair goes as it goes about that one, and air pushes
-/// both alike.
+/// A body that is set before every step is one with these keyframes: hair goes as it goes about that one, and air
+/// pushes both alike.
 #[test]
 fn a_body_that_is_set_is_one_with_keyframes() {
     let gpu = support::gpu();

@@ -10,13 +10,13 @@ import pytest
 EXAMPLES = sorted((Path(__file__).parents[2] / "examples").glob("*.py"))
 
 
-# It runs two figures of the paper.
-LONG = "06_fig3a_against_fig3c.py"
+# Two figures of the paper; a head of life size.
+LONG = ["06_fig3a_against_fig3c.py", "07_walking_head.py"]
 
 
 @pytest.mark.parametrize(
     "example",
-    [pytest.param(path, id=path.name, marks=pytest.mark.long if path.name == LONG else ()) for path in EXAMPLES],
+    [pytest.param(path, id=path.name, marks=pytest.mark.long if path.name in LONG else ()) for path in EXAMPLES],
 )
 def test_example(example, tmp_path):
     words = ["--small"] if "--small" in example.read_text(encoding="utf-8") else []

@@ -22,6 +22,7 @@ ROOT = Path(__file__).parents[2]
 EXAMPLES = sorted((ROOT / "examples").glob("*.py"))
 
 
+@pytest.mark.long
 def test_stubs_are_those_of_the_module(tmp_path):
     # mypy does not add `scene.__all__` to that of the package.
     (tmp_path / "allowed").write_text("windswept.__all__\n")
@@ -52,7 +53,14 @@ MYPY = ["mypy", "--strict"]
 PYRIGHT = ["pyright", "--pythonpath", sys.executable]
 
 
-@pytest.mark.parametrize("words", [[*MYPY, "-p", "windswept"], [*MYPY, *EXAMPLES], [*PYRIGHT, *EXAMPLES]], ids=["package", "mypy", "pyright"])
+@pytest.mark.parametrize(
+    "words",
+    [
+        pytest.param([*MYPY, "-p", "windswept"], id="package", marks=pytest.mark.long),
+        pytest.param([*MYPY, *EXAMPLES], id="mypy"),
+        pytest.param([*PYRIGHT, *EXAMPLES], id="pyright"),
+    ],
+)
 def test_the_package_and_the_examples_pass_strict_types(words):
     done = python("-m", *words)
     assert done.returncode == 0, done.stdout + done.stderr

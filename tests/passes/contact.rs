@@ -344,6 +344,7 @@ fn among_strands(speed: f64) -> Vec<Body> {
 /// Strands that fall and are thrown among bodies, step after step: contacts, moves, frames and what lasts. Rounding
 /// decides where some strands go, one in thirty at most: whether they touch, slide or take a Newton step more.
 #[test]
+#[ignore = "long: 13 s of CPU time"]
 fn rods_among_bodies_are_those_of_the_reference() {
     for n in [1, 65, 260] {
         for (solved, speed, meshes) in [

@@ -371,7 +371,7 @@ fn coincident_particles_separate() {
     assert!(gap > 1e-4, "{gap}");
     let (p, reference) = (&fixture.parameters, &fixture.reference);
     let mut x = reference.position.clone();
-    for _ in 0..p.fluid_iterations {
+    for _ in 0..p.fluid.iterations {
         let (_, lambda) = fluid::density(p, &x, &reference.inverse_mass, &reference.volume, &near);
         let shift = fluid::correct(p, &x, &reference.inverse_mass, &reference.volume, &near, &lambda);
         x.iter_mut().zip(shift).for_each(|(x, dx)| *x += dx);

@@ -250,7 +250,7 @@ fn each_once(clusters: &[Cluster], particles: usize) -> bool {
 fn of_kinds(p: &Parameters, cluster: &Cluster) -> bool {
     let air = p.is_air(cluster.particles[0] as usize);
     let is = |near: &Seen, kind: bool| p.is_air(near.index as usize) == kind;
-    let apart = p.model == Model::TwoWay;
+    let apart = p.interaction.model == Model::TwoWay;
     cluster.particles.iter().all(|i| p.is_air(*i as usize) == air)
         && cluster.own_kind.iter().all(|near| !apart || is(near, air))
         && cluster.other_kind.iter().all(|near| apart && is(near, !air))

@@ -261,7 +261,7 @@ impl Both<'_> {
 
     /// First particle that pressure acts on.
     pub fn flowing(&self) -> usize {
-        if self.p().model == Model::Particles { 0 } else { self.p().hair_points }
+        if self.p().interaction.model == Model::Particles { 0 } else { self.p().hair_points }
     }
 
     /// Vectors of the engine, of the particles from `from` on.

@@ -10,7 +10,7 @@ use windswept_reference::tables;
 use windswept_scene::{End, Groom, Hair, HairSource, Keyframe, Model, Rods, Roots, Scene, Turbulence};
 use windswept_validate::internals::{LENGTH, LINE_DENSITY, Rod, mode, tips};
 
-use crate::{awake, build, damped, support};
+use super::{awake, build, damped, support};
 
 /// A clamped beam without weight and damping swings at its first frequency and keeps its energy: EI of γ = 10, tip 0.02
 /// L.

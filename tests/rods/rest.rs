@@ -6,7 +6,7 @@ use windswept_reference::tables;
 use windswept_scene::{End, Ends, Hair, Integrator, Rods, Roots, Solver};
 use windswept_validate::internals::{GRAVITY, LENGTH, LINE_DENSITY, Rod, STRETCH, tips};
 
-use crate::{awake, build, damped, elastica, rest, support};
+use super::{awake, build, damped, elastica, rest, support};
 
 /// Strands of 34 segments come to rest on the elastica for every γ, at any long step; `windswept validate rods-static`
 /// has the paper's step.

@@ -5,7 +5,7 @@ use windswept::{HairFrame, Simulation};
 use windswept_scene::{Air, Hair, Model, Rods, Roots, Scene, Time};
 use windswept_validate::internals::{LENGTH, Rod, tips};
 
-use crate::{awake, build, rest, support};
+use super::{awake, build, rest, support};
 
 /// Strands in still air that come to rest, and then something is done to them, step by step.
 struct Disturbed {

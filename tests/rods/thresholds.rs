@@ -7,7 +7,7 @@ use windswept::Simulation;
 use windswept_scene::{End, Ends};
 use windswept_validate::internals::{LENGTH, Rod, vectors};
 
-use crate::{awake, build, support};
+use super::{awake, build, support};
 
 /// A strand upright from its clamp.
 const UP: [DVec3; 3] = [DVec3::X, DVec3::NEG_Z, DVec3::Y];

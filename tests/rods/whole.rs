@@ -7,7 +7,7 @@ use windswept::Simulation;
 use windswept_scene::{Air, End, Fibre, Gust, Hair, InitialState, Rods, Roots, Scene};
 use windswept_validate::internals::{LENGTH, Rod, chain_tip};
 
-use crate::{rest, support};
+use super::{rest, support};
 
 /// Strands whose Δt² EI/(m l³) is from 1 to 1e10 come to rest on the chain of their own links, without substeps.
 #[test]

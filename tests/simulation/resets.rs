@@ -8,7 +8,7 @@ use windswept::{
 use windswept_scene::{Air, Fibre, Hair, Model, Roots, Scene, Time};
 use windswept_shaders::common::rod::INVALID;
 
-use crate::{brush, support, windy, with_model};
+use super::{brush, support, windy, with_model};
 
 /// Some strands in a brook of air. The hair is made by the engine, so that the recovery passes are left out until a
 /// test writes into it.

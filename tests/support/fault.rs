@@ -7,10 +7,10 @@ use naga::{
 use windswept::{Gpu, internals::with_sources};
 use windswept_shaders::Pass;
 
-/// The device with a fault in a pass: value `n` is a tenth too small, an integer 1 too large, a truth value the
-/// opposite. The values of a pass are its literals, operations, loads, components and results of calls, in the order of
-/// its linked WGSL, in which its own file comes first. A number too large lists them.
-pub fn plant(gpu: &Gpu, pass: &'static Pass, n: usize) -> Gpu {
+/// The device with a fault in a pass: value `n` is so many times what it should be, an integer 1 too large, a truth
+/// value the opposite. The values of a pass are its literals, operations, loads, components and results of calls, in
+/// the order of its linked WGSL, in which its own file comes first. A number too large lists them.
+pub fn plant(gpu: &Gpu, pass: &'static Pass, n: usize, factor: f32) -> Gpu {
     let text = pass.source;
     let module = naga::front::wgsl::parse_str(text).unwrap();
     let info = Validator::new(ValidationFlags::all(), Capabilities::SUBGROUP).validate(&module).unwrap();
@@ -38,7 +38,7 @@ pub fn plant(gpu: &Gpu, pass: &'static Pass, n: usize) -> Gpu {
     let (at, kind) = values.get(n).unwrap_or_else(|| panic!("{} has no value {n}: {:#?}", pass.name, all()));
     let value = &text[at.clone()];
     let wrong = match kind {
-        ScalarKind::Float | ScalarKind::AbstractFloat => format!("(0.9 * ({value}))"),
+        ScalarKind::Float | ScalarKind::AbstractFloat => format!("({factor:?} * ({value}))"),
         ScalarKind::Sint | ScalarKind::Uint | ScalarKind::AbstractInt => format!("(({value}) + 1)"),
         ScalarKind::Bool => format!("!({value})"),
     };

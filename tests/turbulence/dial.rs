@@ -10,7 +10,7 @@ use windswept::Simulation;
 use windswept_scene::{Air, Band, Filter, InitialState, Scene, Time, Turbulence};
 use windswept_validate::internals::SIMPLE;
 
-use crate::{
+use super::{
     air_scene,
     support::{self, VOLUME, lattice},
 };

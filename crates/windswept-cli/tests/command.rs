@@ -1,15 +1,12 @@
 //! The real program: the files that it writes and leaves alone, its output and its exit status. On the software
 //! adapter.
 
-mod support;
-
+use crate::support::{SCENE, folder, listing, run, windswept};
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::thread::sleep;
 use std::time::Duration;
-
-use support::{SCENE, folder, listing, run, windswept};
 
 fn report(path: &Path) -> serde_json::Value {
     serde_json::from_str(&fs::read_to_string(path).expect("a report")).expect("JSON")

@@ -2,9 +2,6 @@
 //! finished can be read.
 
 #![cfg(unix)]
-#![allow(clippy::expect_used)] // a test may panic
-
-mod support;
 
 use std::fs;
 use std::path::Path;
@@ -12,9 +9,8 @@ use std::process::{Command, Output, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use crate::support::{SCENE, folder, listing, run, windswept};
 use windswept_export::VtkHdfReader;
-
-use support::{SCENE, folder, listing, run, windswept};
 
 /// Runs the scene where no file may be longer than so many bytes, which a full disk is to the program.
 fn run_with_room(folder: &Path, out: &str, bytes: u64, more: &[&str]) -> Output {

@@ -1,14 +1,9 @@
 //! `windswept export`: films of a run for other programs. On the software adapter.
 
-#![allow(clippy::expect_used)] // a test may panic
-
-mod support;
-
+use crate::support::{self, folder, listing, run, windswept};
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
-
-use support::{folder, listing, run, windswept};
 
 /// The interpreter that `cargo xtask test` names, else the one it installs.
 fn python() -> PathBuf {

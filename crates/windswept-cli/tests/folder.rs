@@ -1,9 +1,6 @@
 //! A run's folder with something unexpected in it, or with two runs at once: files of others stay as they are.
 
 #![cfg(unix)]
-#![allow(clippy::expect_used)] // a test may panic
-
-mod support;
 
 use std::ffi::OsStr;
 use std::fs;
@@ -14,7 +11,7 @@ use std::process::{Child, Command, Output, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use support::{SCENE, folder, listing, run, windswept};
+use crate::support::{SCENE, folder, listing, run, windswept};
 use windswept::{AdapterChoice, Gpu, Simulation};
 use windswept_scene::Scene;
 
@@ -211,8 +208,8 @@ fn a_run_that_goes_on_writes_through_no_link() {
     assert!(["checkpoint.windswept", "preview.gif"].iter().all(|name| !out.join(name).is_symlink()));
 }
 
-/// The finished frames of a run under way can be read; a command that would write into its folder is told that the run is
-/// under way.
+/// The finished frames of a run under way can be read; a command that would write into its folder is told that the run
+/// is under way.
 #[test]
 fn a_run_under_way_may_be_read() {
     let folder = folder();

@@ -1,11 +1,9 @@
 //! Groom files on the command line: their description, their conversion, and a run of one.
 
-mod support;
-
 use std::fs;
 use std::path::Path;
 
-use support::{listing, windswept};
+use crate::support::{listing, windswept};
 use windswept_scene::Curves;
 
 /// Three strands in centimetres, Z up; the last has no length.

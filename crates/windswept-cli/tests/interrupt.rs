@@ -1,17 +1,13 @@
 //! Ctrl-C and SIGTERM: the first ends a run with its files complete, and a later one ends it at once.
 
 #![cfg(unix)]
-#![allow(clippy::expect_used)] // a test may panic
 
-mod support;
-
+use crate::support::{SCENE, folder, listing, windswept};
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::thread::sleep;
 use std::time::Duration;
-
-use support::{SCENE, folder, listing, windswept};
 
 /// Starts a run of steps that last so many substeps; once its first checkpoint is there, the shell
 /// is told this, `$pid` being the run's id.

@@ -1,14 +1,10 @@
 //! `windswept measure`: numbers of a run's hair. On the software adapter.
 
-#![allow(clippy::expect_used)] // a test may panic
-
-mod support;
-
 use std::fs;
 use std::path::Path;
 
+use crate::support::{folder, run, windswept};
 use serde_json::Value;
-use support::{folder, run, windswept};
 
 /// Status of the program, its output and its errors.
 fn measure(folder: &Path, more: &[&str]) -> (Option<i32>, String, String) {

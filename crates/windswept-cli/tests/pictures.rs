@@ -1,13 +1,8 @@
 //! `windswept render`, and what `run` does about pictures. On the software adapter.
 
-#![allow(clippy::expect_used)] // a test may panic
-
-mod support;
-
+use crate::support::{folder, listing, run, windswept};
 use std::fs;
 use std::path::Path;
-
-use support::{folder, listing, run, windswept};
 
 /// Status of the program and its messages.
 fn render(folder: &Path, more: &[&str]) -> (Option<i32>, String) {

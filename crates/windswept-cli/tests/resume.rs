@@ -1,18 +1,14 @@
 //! Runs that are killed and go on: each frame is there once, and the last is that of a run without a kill.
 
-#![allow(clippy::expect_used)] // a test may panic
-
-mod support;
-
 use std::fs;
 use std::path::Path;
 use std::process::{Output, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
+use crate::support::{folder, listing, run, windswept};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use support::{folder, listing, run, windswept};
 use windswept::{AdapterChoice, Checkpoint, Frame, Gpu};
 use windswept_export::VtkHdfReader;
 

@@ -1,14 +1,10 @@
 //! `windswept spectrum`, and what the report says of the eddies. On the software adapter.
 
-#![allow(clippy::expect_used)] // a test may panic
-
-mod support;
-
 use std::fs;
 use std::path::Path;
 
+use crate::support::{folder, listing, run, windswept};
 use serde_json::Value;
-use support::{folder, listing, run, windswept};
 
 /// Status of the program, its output and its errors.
 fn spectrum(folder: &Path, more: &[&str]) -> (Option<i32>, String, String) {

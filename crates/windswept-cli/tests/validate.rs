@@ -1,11 +1,6 @@
 //! `windswept validate` as a user runs it, on the software adapter.
 
-#![allow(clippy::expect_used)]
-
-mod support;
-
-use support::{folder, windswept};
-
+use crate::support::{folder, windswept};
 /// Two checks as JSON: their rows pass, every number is there, nothing else is on standard output. `tests/formulas.rs`
 /// has all checks.
 #[test]

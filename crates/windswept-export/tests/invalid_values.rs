@@ -1,14 +1,10 @@
 //! Frames and files that must be refused, in words that name the file and the number.
 
 #![cfg(feature = "vtkhdf")]
-#![allow(clippy::unwrap_used)] // a test may panic
 
-mod film;
-
+use crate::film::{PROVENANCE, assert_holds, film, frame, write};
 use windswept_engine::Frame;
 use windswept_export::{ExportError, Kind, VtkHdfReader, VtkHdfWriter};
-
-use film::{PROVENANCE, assert_holds, film, frame, write};
 
 /// Makes a frame one that does not fit.
 type Spoil = fn(&mut Frame);

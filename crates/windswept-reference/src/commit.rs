@@ -68,7 +68,8 @@ fn is_sound(position: DVec3, velocity: DVec3) -> bool {
 /// Checks whether the results of a step, in which `bad` strands were not finite, may become the state.
 ///
 /// # Errors
-/// [`Frozen`] when an air particle is not finite or faster than [`FAST`], or when more than [`failed_strand_limit`] strands are not finite.
+/// [`Frozen`] when an air particle is not finite or faster than [`FAST`], or when more than [`failed_strand_limit`]
+/// strands are not finite.
 pub fn check(p: &Parameters, bad: usize, positions: &[DVec3], velocities: &[DVec3]) -> Result<(), Frozen> {
     if bad > failed_strand_limit(p.rest.len()) {
         return Err(Frozen::FailedStrands(bad));
@@ -106,7 +107,7 @@ pub fn commit(p: &Parameters, s: &mut State, w: &mut Scratch) {
         let forgets = anew && !s.sleeping[p.strand_of[i]];
         s.velocity_before[i] = if forgets { last } else { point.before + last - w.rod_velocity[i] };
     }
-    if p.model != Model::Particles {
+    if p.interaction.model != Model::Particles {
         for strand in (0..s.hair.len()).filter(|&strand| !s.sleeping[strand]) {
             for i in s.hair.points(strand) {
                 let point = &w.moving.points[i];

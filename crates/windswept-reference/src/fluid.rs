@@ -40,7 +40,7 @@ pub fn run(s: &State, w: &mut Scratch, p: &Parameters, see: &mut Observer<'_>) {
     if !p.air {
         return;
     }
-    let constrained = match (p.solver, p.model) {
+    let constrained = match (p.fluid.solver, p.interaction.model) {
         (FluidSolver::Pbf, _) => w.predicted.len(),
         (FluidSolver::Divergence, Model::TwoWay) => p.hair_points,
         (FluidSolver::Divergence, _) => 0,
@@ -64,7 +64,7 @@ pub fn run(s: &State, w: &mut Scratch, p: &Parameters, see: &mut Observer<'_>) {
         }
         see("fluid/move", s, w);
     }
-    match p.solver {
+    match p.fluid.solver {
         FluidSolver::Pbf => {
             for i in p.hair_points..w.predicted.len() {
                 w.new_velocity[i] = velocity(p, w.new_velocity[i], w.correction[i]);
@@ -80,14 +80,14 @@ pub fn run(s: &State, w: &mut Scratch, p: &Parameters, see: &mut Observer<'_>) {
 /// the relaxation \[kg m²\].
 fn constrain(s: &State, w: &mut Scratch, p: &Parameters, count: usize, see: &mut Observer<'_>) -> Vec<f64> {
     let mut multiplier = vec![0.0; p.hair_points];
-    for iteration in 0..p.fluid_iterations.max(1) {
+    for iteration in 0..p.fluid.iterations.max(1) {
         let x = &w.predicted[..count];
         let density;
         (density, w.multiplier) = self::density(p, x, &s.inverse_mass, &s.volume, &w.near);
         w.density[..count].copy_from_slice(&density);
         w.felt = felt(p, &density, &w.multiplier);
         see("fluid/density", s, w);
-        if iteration < p.fluid_iterations {
+        if iteration < p.fluid.iterations {
             let x = &w.predicted[..count];
             w.shift = correct(p, x, &s.inverse_mass, &s.volume, &w.near, &w.multiplier);
             w.velocity_shift = correct(p, x, &s.inverse_mass, &s.volume, &w.near, &w.felt);
@@ -97,7 +97,7 @@ fn constrain(s: &State, w: &mut Scratch, p: &Parameters, count: usize, see: &mut
                 w.correction[i] += *felt;
             }
             see("fluid/move", s, w);
-            multiplier.iter_mut().zip(&w.multiplier).for_each(|(sum, lambda)| *sum += p.relaxation * lambda);
+            multiplier.iter_mut().zip(&w.multiplier).for_each(|(sum, lambda)| *sum += p.fluid.relaxation * lambda);
         }
     }
     multiplier
@@ -160,7 +160,7 @@ pub fn correct(
         (lambda[i] * volume[j] + lambda[j] * volume[i]) * spiky_gradient(i, j, gap, p.kernel_radius)
     };
     let shift = |i: usize| {
-        p.relaxation * inverse_mass[i] * near.of(i).filter(|&j| p.meets(i, j)).map(|j| pair(i, j)).sum::<DVec3>()
+        p.fluid.relaxation * inverse_mass[i] * near.of(i).filter(|&j| p.meets(i, j)).map(|j| pair(i, j)).sum::<DVec3>()
     };
     (0..x.len()).map(shift).collect()
 }

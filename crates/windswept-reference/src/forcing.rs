@@ -36,7 +36,7 @@ pub fn run(s: &State, p: &Parameters, see: &mut Observer<'_>) -> Scratch {
     see("forcing/roots", s, &w);
     w.predicted[..p.hair_points].iter_mut().enumerate().for_each(|(i, x)| *x = hair_drift(p, s, i));
     see("forcing/hair_drift", s, &w);
-    if p.solver == FluidSolver::Divergence && p.model == Model::Particles {
+    if p.fluid.solver == FluidSolver::Divergence && p.interaction.model == Model::Particles {
         w.new_velocity[..p.hair_points].iter_mut().enumerate().for_each(|(i, v)| *v = extrapolate(p, s, i));
         see("forcing/extrapolate", s, &w);
     }
@@ -54,7 +54,7 @@ pub fn run(s: &State, p: &Parameters, see: &mut Observer<'_>) -> Scratch {
     see("forcing/push_air", s, &w);
     for (i, change) in air.zip(&w.wind_change) {
         let v = s.velocity[i] + *change;
-        (w.predicted[i], w.new_velocity[i]) = match p.solver {
+        (w.predicted[i], w.new_velocity[i]) = match p.fluid.solver {
             FluidSolver::Divergence => advance(p, s.position[i], v, s.pressed[i].change),
             FluidSolver::Pbf => (predict(p, s.position[i], v), v),
         };
@@ -82,7 +82,8 @@ pub fn frame(p: &Parameters, steps: u64) -> (DVec3, DVec3) {
     }
 }
 
-/// Takes the change of the frame's velocity in the step from the velocities of hair that is not held, and wakes strands.
+/// Takes the change of the frame's velocity in the step from the velocities of hair that is not held, and wakes
+/// strands.
 pub fn carry(s: &mut State, p: &Parameters) {
     // Hair starts at rest in the frame.
     let before = if s.steps == 0 { frame(p, 0).1 } else { s.frame_velocity };
@@ -142,7 +143,7 @@ pub fn roots(p: &Parameters, s: &State, strand: usize) -> StrandMotion {
     // The first step has no change of velocity to carry on.
     let step = if p.bdf2 && s.bdf2_ready[strand] { p.step * 2.0 / 3.0 } else { p.step };
     if held == goal && tip_way == DVec3::ZERO {
-        let state = if p.sleep { rods::State::Sleeping } else { rods::State::Free };
+        let state = if p.rods.sleep { rods::State::Sleeping } else { rods::State::Free };
         return StrandMotion {
             root_displacement: DVec3::ZERO,
             root_frame: held.1,
@@ -178,7 +179,7 @@ pub fn hair_drift(p: &Parameters, s: &State, i: usize) -> DVec3 {
         return s.position[i] + p.step * s.velocity[i];
     }
     let falls = s.velocity[i] + p.step * s.hair.weight(i) * p.gravity;
-    s.position[i] + p.step * falls / (1.0 + p.damping * p.step)
+    s.position[i] + p.step * falls / (1.0 + p.rods.damping * p.step)
 }
 
 /// Velocity v* by which hair point `i` counts where pressure acts on it, that of the step's end if all went on as

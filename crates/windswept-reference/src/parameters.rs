@@ -2,8 +2,8 @@
 
 use glam::{DVec3, IVec3};
 use windswept_scene::{
-    Band, CheckedScene, CheckedTurbulence, FluidSolver, FrameEntry, InflowWave, InitialState, Integrator, Law, Model,
-    Motion, Solver, ViscosityForm, derived::Rest,
+    Band, CheckedFluid, CheckedInteraction, CheckedRods, CheckedScene, CheckedTurbulence, FrameEntry, InflowWave,
+    InitialState, Integrator, Law, Model, Motion, Solver, ViscosityForm, derived::Rest,
 };
 
 use crate::{
@@ -22,6 +22,14 @@ const SETTLING_RATE: f64 = 725.0;
 /// Numbers of a scene, per engine step: substeps are divided out.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameters {
+    /// Keys of `[rods]`.
+    pub rods: CheckedRods,
+    /// Keys of `[interaction]`.
+    pub interaction: CheckedInteraction,
+    /// Keys of `[fluid]`.
+    pub fluid: CheckedFluid,
+    /// Keys of `[turbulence]`; its bands are [`Self::bands`].
+    pub turbulence: CheckedTurbulence,
     /// Duration Δt of a step \[s\].
     pub step: f64,
     /// Gravity, which acts on hair only \[m/s²\].
@@ -46,8 +54,6 @@ pub struct Parameters {
     pub kernel_radius: f64,
     /// Whether there are air particles.
     pub air: bool,
-    /// Model by which hair and air meet.
-    pub model: Model,
     /// Volume V of an air particle \[m³\].
     pub air_volume: f64,
     /// Mass of an air particle \[kg\].
@@ -58,34 +64,18 @@ pub struct Parameters {
     pub kinematic_viscosity: f64,
     /// Skin friction coefficient C_f of air along bodies.
     pub skin_friction: f64,
-    /// Lift coefficient C_l of a segment in the wind.
-    pub lift: f64,
     /// Coulomb's μ of each strand on other strands, with the model `two-way`.
     pub friction: Vec<f64>,
-    /// Solver of the air.
-    pub solver: FluidSolver,
-    /// Number of iterations of the pressure.
-    pub pressure_iterations: u32,
     /// Whether the pressure is solved for on a coarse grid first.
     pub coarse: bool,
     /// Number of nodes of the coarse grid along each axis, about [`COARSE`] spacings apart.
     pub coarse_nodes: [usize; 3],
-    /// Number of Jacobi iterations of the density constraint.
-    pub fluid_iterations: u32,
-    /// Part of a Jacobi step that is taken.
-    pub relaxation: f64,
     /// Softening α of the density constraint's multiplier \[1/(kg m²)\].
     pub density_softening: f64,
     /// Bands of eddies to strengthen; none without air, without strength, or where the law is off.
     pub bands: Vec<Band>,
-    /// Speed U of the confinement law \[m/s\].
-    pub turbulence_speed: f64,
-    /// Law of the confinement.
-    pub law: Law,
     /// Distance at which the sum of a band ends, in units of its scale s.
     pub cutoff: f64,
-    /// Keys of the scene's `[turbulence]`: filter, order, spacing, whether momentum is conserved.
-    pub turbulence: CheckedTurbulence,
     /// Coefficient c of hair's viscosity, per step.
     pub viscosity_hair: f64,
     /// Coefficient c of air's viscosity, per step.
@@ -98,22 +88,16 @@ pub struct Parameters {
     pub settling: f64,
     /// Whether viscosity has the symmetric limiter.
     pub limited: bool,
-    /// Number of Gauss-Seidel's sweeps.
-    pub rod_iterations: u32,
     /// Largest number of Newton steps of the direct solver: half as many again as the scene says where it has bodies.
     pub newton_steps: u32,
     /// Whether rods are solved by the direct solver, else by Gauss-Seidel.
     pub direct: bool,
     /// Whether strands are integrated by BDF2, else by Euler.
     pub bdf2: bool,
-    /// Whether strands at rest fall asleep.
-    pub sleep: bool,
     /// Limits of speed and push below which each strand is at rest.
     pub rest: Vec<Rest>,
     /// Number of engine steps in a time step.
     pub substeps: u32,
-    /// Damping c of hair \[1/s\].
-    pub damping: f64,
     /// Bodies, which hair and air stay out of.
     pub bodies: Vec<Body>,
     /// Motion of the roots of each group of hair, and the centre that it turns about \[m\].
@@ -140,6 +124,10 @@ impl Parameters {
         let law_at_work = scene.turbulence.law == Law::Published || scene.turbulence.speed > 0.0;
         let at_work = |band: &Band| particles && law_at_work && band.strength > 0.0;
         Self {
+            rods: scene.rods.clone(),
+            interaction: scene.interaction.clone(),
+            fluid: scene.fluid.clone(),
+            turbulence: scene.turbulence.clone(),
             step: scene.time.step / substeps,
             gravity: DVec3::from_array(scene.gravity),
             wind: air.map_or(DVec3::ZERO, |air| DVec3::from_array(air.wind)),
@@ -154,30 +142,21 @@ impl Parameters {
             box_size: initial.air.size,
             kernel_radius,
             air: particles,
-            model: scene.interaction.model,
             air_volume: initial.air.volume,
             air_mass: initial.air.mass,
             rest_density: air.map_or(0.0, |air| air.rest_density),
             kinematic_viscosity: air.map_or(0.0, |air| air.kinematic_viscosity),
             skin_friction: air.map_or(0.0, |air| air.skin_friction),
-            lift: scene.interaction.lift,
             friction: (0..initial.hair.len()).map(|s| initial.hair.friction(s)).collect(),
-            solver: scene.fluid.solver,
-            pressure_iterations: scene.fluid.pressure_iterations,
             coarse: scene.has_coarse_grid(),
             coarse_nodes: coarse_nodes(initial),
-            fluid_iterations: scene.fluid.iterations,
-            relaxation: scene.fluid.relaxation,
             density_softening: if particles {
                 1e-3 * lattice_gradients(kernel_radius, initial.air.volume, 1.0 / initial.air.mass)
             } else {
                 0.0
             },
             bands: scene.turbulence.bands.iter().copied().filter(at_work).collect(),
-            turbulence_speed: scene.turbulence.speed,
-            law: scene.turbulence.law,
             cutoff: scene.turbulence.cutoff(),
-            turbulence: scene.turbulence.clone(),
             viscosity_hair: scene.viscosity.hair / substeps,
             viscosity_air: scene.viscosity.air / substeps,
             viscosity_eddies: air.map_or(0.0, |air| scene.viscosity.eddies(initial.air.volume, air.kernel_radius)),
@@ -187,14 +166,11 @@ impl Parameters {
                 Model::TwoWay | Model::Drag | Model::None => (SETTLING_RATE * scene.time.step / substeps).min(1.0),
             },
             limited: scene.viscosity.form == ViscosityForm::Limited,
-            rod_iterations: scene.rods.iterations,
             newton_steps: scene.rods.newton + if scene.bodies.is_empty() { 0 } else { scene.rods.newton / 2 },
             direct: scene.rods.solver == Solver::Direct,
             bdf2: scene.rods.integrator == Integrator::Bdf2,
-            sleep: scene.rods.sleep,
             rest: (0..initial.hair.len()).map(|s| initial.hair.rest(s, scene)).collect(),
             substeps: scene.time.substeps,
-            damping: scene.rods.damping,
             bodies: contact::bodies(scene, initial),
             hair_motions: scene
                 .hair
@@ -236,20 +212,20 @@ impl Parameters {
     /// Whether the density constraint sees a pair: in `two-way` air meets hair by drag alone.
     #[must_use]
     pub fn meets(&self, i: usize, j: usize) -> bool {
-        self.model != Model::TwoWay || self.is_air(i) == self.is_air(j)
+        self.interaction.model != Model::TwoWay || self.is_air(i) == self.is_air(j)
     }
 
     /// Whether XSPH sees a pair: in `two-way` it acts between strands, and within air.
     #[must_use]
     pub fn shares(&self, i: usize, j: usize) -> bool {
         let joined = || !self.is_air(i) && !self.is_air(j) && self.strand_of[i] == self.strand_of[j];
-        self.meets(i, j) && (self.model != Model::TwoWay || !joined())
+        self.meets(i, j) && (self.interaction.model != Model::TwoWay || !joined())
     }
 
     /// Whether hair rubs on hair.
     #[must_use]
     pub fn has_friction(&self) -> bool {
-        let pressed = self.model == Model::TwoWay && self.air && self.fluid_iterations > 0;
+        let pressed = self.interaction.model == Model::TwoWay && self.air && self.fluid.iterations > 0;
         pressed && self.friction.iter().any(|friction| *friction > 0.0)
     }
 

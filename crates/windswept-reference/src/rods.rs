@@ -80,7 +80,7 @@ pub fn run(s: &mut state::State, w: &mut Scratch, p: &Parameters, see: &mut Obse
 
 /// Whether hair and air particles exchange drag.
 fn exchanges(p: &Parameters) -> bool {
-    p.model == Model::TwoWay && p.air
+    p.interaction.model == Model::TwoWay && p.air
 }
 
 /// Begins the stage: the start of points and segments, and the air at hair points. No force acts yet.

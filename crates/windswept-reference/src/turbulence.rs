@@ -37,7 +37,7 @@ pub fn run(s: &mut State, w: &mut Scratch, p: &Parameters, see: &mut Observer<'_
         return;
     }
     w.confinement = vec![DVec3::ZERO; w.predicted.len()];
-    if p.law == Law::Published {
+    if p.turbulence.law == Law::Published {
         w.vorticity = vorticity(p, &w.predicted, &w.new_velocity, &s.volume, &w.near);
         see("turbulence/vorticity", s, w);
     }
@@ -45,7 +45,7 @@ pub fn run(s: &mut State, w: &mut Scratch, p: &Parameters, see: &mut Observer<'_
         w.band = index;
         (w.band_velocity, w.grids) = band_velocity(p, band, w.blowing, &w.predicted, &w.new_velocity, &s.volume);
         see(if p.turbulence.filter.is_grid() { "turbulence/gather" } else { "turbulence/band" }, s, w);
-        if p.law == Law::Band {
+        if p.turbulence.law == Law::Band {
             w.vorticity = vorticity(p, &w.predicted, &w.band_velocity, &s.volume, &w.near);
             see("turbulence/vorticity", s, w);
         }
@@ -119,7 +119,7 @@ pub fn band(p: &Parameters, band: &Band, wind: DVec3, x: &[DVec3], v: &[DVec3], 
         if !p.is_air(i) {
             return DVec3::ZERO;
         }
-        match p.law {
+        match p.turbulence.law {
             Law::Band => {
                 let sum: DVec3 = (p.hair_points..x.len()).map(|j| volume[j] * hat(i, j, 1.0) * (v[j] - wind)).sum();
                 sum / peak_gain(s)
@@ -163,7 +163,7 @@ fn fringed(p: &Parameters, wind: DVec3, position: DVec3) -> f64 {
 
 /// Whether a particle takes part in the sums over neighbours: hair does in the published law only.
 fn counts(p: &Parameters, i: usize) -> bool {
-    p.is_air(i) || p.law == Law::Published
+    p.is_air(i) || p.turbulence.law == Law::Published
 }
 
 /// Vorticity ω_i = Σ_j V_j (v_j − v_i) × ∇_j W \[1/s\], the curl of a velocity field `v` \[m/s\] (eq. 2 with its
@@ -220,10 +220,10 @@ pub fn confine(
         }
         let swirl = (eta / scale).cross(omega[i]);
         let speed = eddies[i].length();
-        let change = match p.law {
+        let change = match p.turbulence.law {
             Law::Band => {
                 let rate = band.strength * swirl.length();
-                let largest = (band.intensity * p.turbulence_speed).min(p.kernel_radius / p.step);
+                let largest = (band.intensity * p.turbulence.speed).min(p.kernel_radius / p.step);
                 let growth = growth(speed / largest, rate, p.step);
                 speed * growth.min(LARGEST_GROWTH) * swirl.normalize_or_zero()
             }

@@ -1,11 +1,7 @@
 //! Wind: the fringe formula, and whole steps of air and of air with hair.
 
-#![allow(clippy::unwrap_used)]
-
-mod support;
-
+use crate::support::{self, MASS, Rod, SIMPLE, air, apart, jittered, lattice, windy};
 use glam::{DMat3, DQuat, DVec3};
-use support::{MASS, Rod, SIMPLE, air, apart, jittered, lattice, windy};
 use windswept_reference::{
     Parameters, State,
     commit::{self, Frozen},
@@ -119,7 +115,7 @@ fn the_density_constraint_gives_air_its_velocity() {
     let (size, positions) = jittered(6, 0.2, 9);
     let initial = air(size, positions);
     let mut p = Parameters::new(&windy(DVec3::ZERO), &initial);
-    (p.solver, p.viscosity_hair, p.viscosity_air) = (FluidSolver::Pbf, 0.0, 0.0);
+    (p.fluid.solver, p.viscosity_hair, p.viscosity_air) = (FluidSolver::Pbf, 0.0, 0.0);
     let mut state = State::new(&initial, p.step);
     step(&mut state, &p).unwrap();
     let moves = state.position.iter().zip(&initial.air.positions).map(|(after, before)| {
@@ -149,7 +145,7 @@ fn air_and_hair_keep_their_momentum_together() {
     for (solver, bdf2) in [(FluidSolver::Pbf, false), (FluidSolver::Divergence, false), (FluidSolver::Divergence, true)]
     {
         let mut p = Parameters::new(&windy(DVec3::ZERO), &initial);
-        (p.gravity, p.solver, p.bdf2) = (DVec3::ZERO, solver, bdf2);
+        (p.gravity, p.fluid.solver, p.bdf2) = (DVec3::ZERO, solver, bdf2);
         let mut state = State::new(&initial, p.step);
         let momentum = |state: &State| {
             let (hair, air) = state.velocity.split_at(p.hair_points);
@@ -234,7 +230,7 @@ fn viscosity_works_without_the_density_constraint() {
     let mut initial = air(size, positions);
     initial.air.velocities = support::stirred(216, 8);
     let mut p = Parameters::new(&windy(DVec3::ZERO), &initial);
-    (p.solver, p.fluid_iterations) = (FluidSolver::Pbf, 0);
+    (p.fluid.solver, p.fluid.iterations) = (FluidSolver::Pbf, 0);
     let mut state = State::new(&initial, p.step);
     step(&mut state, &p).unwrap();
     let free = initial.air.positions.iter().zip(&initial.air.velocities).map(|(x, v)| forcing::predict(&p, *x, *v));

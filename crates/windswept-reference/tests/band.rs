@@ -1,11 +1,9 @@
 //! Tests of `turbulence::band`: the Mexican hat's norm and gain, its cut-off, and which particles are in the sum.
 
-mod support;
-
 use std::f64::consts::{PI, SQRT_2, TAU};
 
+use crate::support::{self, Crowd, MASS, RADIUS, SIMPLE, VOLUME, jittered, lattice, stirred};
 use glam::DVec3;
-use support::{Crowd, MASS, RADIUS, SIMPLE, VOLUME, jittered, lattice, stirred};
 use windswept_reference::{
     tables,
     turbulence::{self, b_spline, mexican_hat, peak_gain, window},
@@ -184,7 +182,7 @@ fn laws_differ_in_who_is_summed() {
     let u = filtered(&crowd, s, DVec3::ZERO, &v);
     let wanted = [DVec3::ZERO, unit * DVec3::new(0.0, self_, 2.0 * near), unit * DVec3::new(0.0, near, 2.0 * self_)];
     assert!(support::apart(&u, &wanted) < 1e-14, "{u:?} instead of {wanted:?}");
-    crowd.parameters.law = Law::Published;
+    crowd.parameters.turbulence.law = Law::Published;
     let u = filtered(&crowd, s, DVec3::splat(9.0), &v);
     let unit = 0.218_837_609 * 2.0_f64.powf(-1.5) * 1e3;
     let wanted = [DVec3::ZERO, unit * DVec3::new(0.0, self_, near), unit * DVec3::new(self_, near, self_)];

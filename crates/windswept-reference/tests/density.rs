@@ -1,16 +1,14 @@
 //! Tests of `fluid::density` and `fluid::correct`: how fast the error falls, and what they conserve.
 
-mod support;
-
+use crate::support::{Crowd, MASS, VOLUME, apart, jittered};
 use glam::DVec3;
-use support::{Crowd, MASS, VOLUME, apart, jittered};
 use windswept_reference::tables::{self, DENSITY_ERROR_ITERATIONS};
 
 /// The error, rms of ρ/ρ0 − 1, of a jittered lattice is that of the table after each of its numbers of iterations.
 fn errors(relaxation: f64, seed: u64) -> [f64; 5] {
     let (size, positions) = jittered(16, 0.2, seed);
     let mut crowd = Crowd::new(size, positions);
-    crowd.parameters.relaxation = relaxation;
+    crowd.parameters.fluid.relaxation = relaxation;
     let near = crowd.neighbours();
     let mut rms = Vec::new();
     for _ in 0..=10 {

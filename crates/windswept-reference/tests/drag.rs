@@ -1,15 +1,11 @@
 //! Tests of `rods::drag`: lift and drag on segments.
 
-#![allow(clippy::unwrap_used)]
-
-mod support;
-
 use std::f64::consts::FRAC_PI_2;
 
+use crate::support::{self, Rod, SIMPLE, air, lattice, scene};
 use glam::{DMat3, DQuat, DVec3};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use support::{Rod, SIMPLE, air, lattice, scene};
 use windswept_reference::{
     Parameters, State,
     rods::{self, Load},
@@ -244,7 +240,7 @@ fn the_model_says_who_is_in_the_wind() {
 fn a_step_takes_drag_with_gravity() {
     let hair = straight(1, 0.01);
     let mut p = parameters(&hair, DVec3::Z * 5.0, "");
-    (p.ramp, p.damping) = (10.0 * p.step, 20.0);
+    (p.ramp, p.rods.damping) = (10.0 * p.step, 20.0);
     let mut state = State::new(&InitialState { hair: hair.clone(), ..InitialState::default() }, p.step);
     step(&mut state, &p).unwrap();
     let local = [rods::undisturbed(DVec3::Z * 0.5); 2];

@@ -1,12 +1,7 @@
 //! Tests of `rods::sample` and `rods::react`: hair and air exchange momentum, and gain no energy by it.
 
-#![allow(clippy::unwrap_used)]
-
-#[path = "support/elastica.rs"]
-mod elastica;
-mod support;
-
-use elastica::tuft;
+use crate::elastica::tuft;
+use crate::support;
 use glam::DVec3;
 use windswept_reference::{
     self as reference, Parameters, State, neighbours, rods,

@@ -1,15 +1,11 @@
 //! fluid::friction: Coulomb's law between strands, as equal and opposite impulses.
 
-#![allow(clippy::unwrap_used)]
-
-mod support;
-
 use std::f64::consts::FRAC_PI_2;
 
+use crate::support::{self, Crowd, RADIUS, Rod, VOLUME, bundle, stirred};
 use glam::{DQuat, DVec3};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use support::{Crowd, RADIUS, Rod, VOLUME, bundle, stirred};
 use windswept_reference::{
     Parameters, State,
     fluid::{self, FrictionPoint, STIFFNESS},

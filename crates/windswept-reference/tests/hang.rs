@@ -1,10 +1,7 @@
 //! Strands that hang as they are given: gravity alone leaves them where they are.
-#![allow(clippy::unwrap_used, missing_docs)]
 
-mod support;
-
+use crate::support::apart;
 use glam::DVec3;
-use support::apart;
 use windswept_reference::{Parameters, State, step::step};
 use windswept_scene::{Fibre, Groom, InitialState, Moduli, RestShape, Scene, Stiffness, Warning};
 

@@ -1,11 +1,9 @@
 //! Kernels and the sums they make on lattices, against closed forms and tables.
 
-mod support;
-
 use std::f64::consts::{PI, TAU};
 
+use crate::support::{BODY, Crowd, FACE, RADIUS, SIMPLE, VOLUME, lattice};
 use glam::DVec3;
-use support::{BODY, Crowd, FACE, RADIUS, SIMPLE, VOLUME, lattice};
 use windswept_reference::{
     fluid,
     sph_kernels::{coincident_direction, poly6, spiky_gradient, spiky_slope},

@@ -1,9 +1,7 @@
 //! Tests of `grid::neighbours`.
 
-mod support;
-
+use crate::support::{Crowd, RADIUS, SIMPLE, lattice};
 use glam::DVec3;
-use support::{Crowd, RADIUS, SIMPLE, lattice};
 
 /// Within 1.92 spacings a simple cubic lattice has 6 + 12 + 8 neighbours, through the periodic faces as well.
 #[test]

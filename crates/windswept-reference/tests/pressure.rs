@@ -1,13 +1,9 @@
 //! Tests of solver `divergence`: its sums, its coarse solve, and flows that it is to keep.
 
-#![allow(clippy::unwrap_used)]
-
-mod support;
-
 use std::f64::consts::{PI, TAU};
 
+use crate::support::{self, Crowd, RADIUS, Rod, SIMPLE, VOLUME, air, jittered, lattice, scene, stirred};
 use glam::{DMat3, DQuat, DVec3};
-use support::{Crowd, RADIUS, Rod, SIMPLE, VOLUME, air, jittered, lattice, scene, stirred};
 use windswept_reference::{
     Parameters, State,
     fluid::{self, Moments, Pressed, THIN},
@@ -404,7 +400,7 @@ fn what_was_put_somewhere_starts_without_pressure() {
     let mut initial = InitialState { hair: support::bundle(&strands), ..air(size, positions) };
     initial.air.velocities = stirred(1000, 92);
     let mut p = Parameters::new(&support::windy(DVec3::ZERO), &initial);
-    (p.solver, p.fringe) = (FluidSolver::Divergence, 0.0);
+    (p.fluid.solver, p.fringe) = (FluidSolver::Divergence, 0.0);
     let mut state = State::new(&initial, p.step);
     step(&mut state, &p).unwrap();
     let pressed = |state: &State, strand: usize| {

@@ -1,11 +1,7 @@
 //! Tests of `rods`: rest shapes, free fall, and strands that hang as their boundary-value problems say.
 
-#![allow(clippy::unwrap_used)]
-
-mod support;
-
+use crate::support::{Rod, airless, alone, apart, bundle};
 use glam::{DMat3, DQuat, DVec3};
-use support::{Rod, airless, alone, apart, bundle};
 use windswept_reference::{Parameters, State, forcing, rods, step::step, tables};
 use windswept_scene::{InitialState, Strands};
 
@@ -80,7 +76,7 @@ fn free_fall() {
         let mut hair = Rod { darboux: DVec3::ZERO, ..curled(10.0, horizontal_frame()) }.strand(DVec3::ZERO);
         hair.inverse_mass[0] = hair.inverse_mass[34];
         let (mut state, mut p) = alone(hair);
-        p.damping = damping;
+        p.rods.damping = damping;
         run(&mut state, &p, 20);
         let (mut speed, mut height) = (0.0, 0.0);
         for _ in 0..20 {
@@ -100,7 +96,7 @@ fn a_loose_segment_spins() {
     let (_, p) = alone(curled(10.0, horizontal_frame()).strand(DVec3::ZERO));
     let (omega, start) = (DVec3::new(3.0, -20.0, 7.0), horizontal_frame());
     for (h, carried) in [(p.step, DVec3::ZERO), (p.step / 1.5, p.step * omega)] {
-        let turn = rods::free_move(&p, omega, omega, carried, DVec3::ZERO, p.damping, h);
+        let turn = rods::free_move(&p, omega, omega, carried, DVec3::ZERO, p.rods.damping, h);
         let next = DQuat::from_scaled_axis(turn) * start;
         assert!((next - DQuat::from_scaled_axis(p.step * omega) * start).length() < 1e-14, "{next}");
         let measured = rods::rate(&p, rods::rotation_vector(-next * start.conjugate()), carried, h);
@@ -113,7 +109,7 @@ fn a_loose_segment_spins() {
 /// External damping slows it: `rods.damping` acts on v + g Δt and so lessens the weight by c Δt.
 fn hang(rod: &Rod, time_step: f64, sweeps: u32, time: f64) -> DVec3 {
     let (mut state, mut p) = alone(rod.strand(DVec3::ZERO));
-    (p.step, p.rod_iterations) = (time_step, sweeps);
+    (p.step, p.rods.iterations) = (time_step, sweeps);
     for _ in 0..(time / time_step) as u32 {
         step(&mut state, &p).unwrap();
         state.velocity.iter_mut().chain(&mut state.angular_velocity).for_each(|v| *v *= 1.0 - 12.0 * time_step);
@@ -262,7 +258,7 @@ fn lasting_strain_is_counted_once() {
     let hair = curled(10.0, horizontal_frame()).strand(DVec3::ZERO);
     let initial = InitialState { hair, ..InitialState::default() };
     let mut p = Parameters::new(&airless(), &initial);
-    (p.rod_iterations, p.gravity) = (0, DVec3::ZERO);
+    (p.rods.iterations, p.gravity) = (0, DVec3::ZERO);
     let mut state = State::new(&initial, p.step);
     state.position[34] += DVec3::X * 0.1;
     run(&mut state, &p, 49);

@@ -1,7 +1,4 @@
 //! `hair.stiffness`: strands that are stiffer in one part than in another.
-#![allow(clippy::unwrap_used, missing_docs)]
-
-mod support;
 
 use windswept_reference::{Parameters, State, step::step};
 use windswept_scene::{InitialState, Scene};

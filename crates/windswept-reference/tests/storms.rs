@@ -1,12 +1,6 @@
 //! Hair and air that exchange drag, in any wind.
 
-#![allow(clippy::unwrap_used)]
-
-#[path = "support/elastica.rs"]
-mod elastica;
-mod support;
-
-use elastica::tuft;
+use crate::elastica::tuft;
 use windswept_reference::{State, step::step};
 
 /// From a breeze to a hurricane, at all steps, with one fibre to a strand and with a thousand, masses from a

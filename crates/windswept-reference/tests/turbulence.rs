@@ -1,11 +1,7 @@
 //! Tests of `turbulence::{vorticity, confine, mean, strengthen}`, and of stage `turbulence` in whole steps.
 
-#![allow(clippy::unwrap_used)]
-
-mod support;
-
+use crate::support::{Crowd, MASS, RADIUS, Rod, SIMPLE, VOLUME, air, apart, jittered, lattice, scene, stirred};
 use glam::{DQuat, DVec3};
-use support::{Crowd, MASS, RADIUS, Rod, SIMPLE, VOLUME, air, apart, jittered, lattice, scene, stirred};
 use windswept_reference::{Parameters, State, sph_kernels::spiky_slope, step::step, turbulence};
 use windswept_scene::{Band, CheckedScene, FluidSolver, InitialState, Law};
 
@@ -26,7 +22,7 @@ fn confine(crowd: &Crowd, band: &Band, eddies: &[DVec3], v: &[DVec3]) -> Vec<DVe
 fn windy_crowd(n: usize, seed: u64) -> Crowd {
     let (size, positions) = jittered(n, 0.3, seed);
     let mut crowd = Crowd::new(size, positions);
-    crowd.parameters.turbulence_speed = 3.0;
+    crowd.parameters.turbulence.speed = 3.0;
     crowd
 }
 
@@ -80,14 +76,14 @@ fn uniform_flow_has_no_vorticity() {
     let air_alone = vorticity(&crowd, &v);
     assert_eq!(vorticity(&crowd, &wind), vec![DVec3::ZERO; 1_000]);
     assert!(air_alone[..333].iter().all(|w| *w == DVec3::ZERO) && air_alone[333..].iter().all(|w| w.length() > 0.0));
-    crowd.parameters.law = Law::Published;
+    crowd.parameters.turbulence.law = Law::Published;
     assert_eq!(vorticity(&crowd, &wind), vec![DVec3::ZERO; 1_000]);
     let together = vorticity(&crowd, &v);
     assert!(together[..333].iter().all(|w| w.length() > 0.0) && apart(&together[333..], &air_alone[333..]) > 1.0);
     // Without hair the published sum is that of the band law.
     crowd.parameters.hair_points = 0;
     let published = vorticity(&crowd, &v);
-    crowd.parameters.law = Law::Band;
+    crowd.parameters.turbulence.law = Law::Band;
     assert_eq!(published, vorticity(&crowd, &v));
 }
 
@@ -96,7 +92,7 @@ fn uniform_flow_has_no_vorticity() {
 fn confinement_drives_a_vortex_on() {
     let (size, positions) = lattice([14, 14, 4], &SIMPLE);
     let mut crowd = Crowd::new(size, positions);
-    crowd.parameters.turbulence_speed = 3.0;
+    crowd.parameters.turbulence.speed = 3.0;
     let core = 9e-3;
     let arms: Vec<DVec3> = crowd.positions.iter().map(|x| (*x - 0.5 * size) * DVec3::new(1.0, 1.0, 0.0)).collect();
     let swirl = |arm: &DVec3| 40.0 * DVec3::Z.cross(*arm) * (-0.5 * arm.length_squared() / core / core).exp();
@@ -177,7 +173,7 @@ fn the_fringe_is_left_alone() {
         let size = crowd.parameters.box_size;
         let v = stirred(1_000, 36);
         let slow: Vec<DVec3> = v.iter().map(|v| 0.1 * *v).collect();
-        (crowd.parameters.law, crowd.parameters.fringe) = (law, 0.01);
+        (crowd.parameters.turbulence.law, crowd.parameters.fringe) = (law, 0.01);
         let positions = crowd.positions.clone();
         let mut in_wind = |wind: DVec3| {
             crowd.parameters.wind = wind;
@@ -205,7 +201,7 @@ fn the_fringe_is_left_alone() {
 #[test]
 fn the_mean_change_is_taken_out() {
     let mut crowd = Crowd::mixed(1_000, 37);
-    crowd.parameters.turbulence_speed = 3.0;
+    crowd.parameters.turbulence.speed = 3.0;
     crowd.inverse_mass[333..].fill(1.0 / MASS);
     crowd.inverse_mass[..2].fill(0.0);
     let (p, v) = (&crowd.parameters, stirred(1_000, 38));
@@ -221,7 +217,7 @@ fn the_mean_change_is_taken_out() {
     assert!(sum < 1e-12 * whole && before.length() > 1e-3 * whole, "{sum}, {before}");
     assert_eq!((&after[..333], &change[..333]), (&v[..333], &[DVec3::ZERO; 333][..]));
     assert!((before - 667.0 * MASS * mean).length() < 1e-12 * whole);
-    crowd.parameters.law = Law::Published;
+    crowd.parameters.turbulence.law = Law::Published;
     let published = confine(&crowd, &BAND, &slow, &v);
     assert!(
         published[..333].iter().all(|dv| *dv == DVec3::ZERO) && published[333..].iter().all(|dv| dv.length() > 0.0)
@@ -232,7 +228,7 @@ fn the_mean_change_is_taken_out() {
 #[test]
 fn the_band_law_sees_no_hair() {
     let mut crowd = Crowd::mixed(1_000, 41);
-    crowd.parameters.turbulence_speed = 3.0;
+    crowd.parameters.turbulence.speed = 3.0;
     let v: Vec<DVec3> = stirred(1_000, 42).iter().map(|v| 0.1 * *v).collect();
     let among = confine(&crowd, &BAND, &v, &v);
     crowd.positions[..333].fill(DVec3::splat(9.0));
@@ -264,7 +260,7 @@ fn the_published_law_is_that_of_the_paper() {
     let positions = vec![mm(24.0, 20.0, 21.0), mm(20.0, 20.0, 20.0), mm(23.0, 21.0, 18.0)];
     let mut crowd = Crowd::new(DVec3::splat(0.05), positions);
     crowd.volume[0] *= 0.5;
-    (crowd.parameters.hair_points, crowd.parameters.law, crowd.parameters.cutoff) = (1, Law::Published, 3.0);
+    (crowd.parameters.hair_points, crowd.parameters.turbulence.law, crowd.parameters.cutoff) = (1, Law::Published, 3.0);
     let v = [DVec3::new(0.1, -0.2, 0.3), DVec3::new(1.0, 0.5, -0.3), DVec3::new(-0.6, 0.8, 0.2)];
     let band = Band { scale: 2e-3, ..BAND };
     let eddies = turbulence::band(&crowd.parameters, &band, DVec3::X, &crowd.positions, &v, &crowd.volume);
@@ -400,7 +396,7 @@ fn a_step_runs_the_passes_in_order() {
         let (mut with, mut p) = stirred_box(1.0, &format!("law = \"{law}\"\n{bands}"));
         (p.ramp, p.fringe, p.viscosity_hair, p.viscosity_air) = (0.02, 0.0, 0.0, 0.0);
         // Else the list would be that of the positions before they were corrected.
-        (p.solver, p.fluid_iterations) = (FluidSolver::Pbf, 0);
+        (p.fluid.solver, p.fluid.iterations) = (FluidSolver::Pbf, 0);
         let mut without = with.clone();
         step(&mut with, &p).unwrap();
         step(&mut without, &Parameters { bands: Vec::new(), ..p.clone() }).unwrap();

@@ -1,11 +1,9 @@
 //! Tests of `fluid::limit` and `fluid::viscosity`: XSPH.
 
-mod support;
-
 use std::f64::consts::TAU;
 
+use crate::support::{Crowd, RADIUS, SIMPLE, VOLUME, lattice, stirred};
 use glam::DVec3;
-use support::{Crowd, RADIUS, SIMPLE, VOLUME, lattice, stirred};
 use windswept_reference::{sph_kernels::poly6, tables, viscosity::limit};
 use windswept_scene::Model;
 
@@ -102,7 +100,7 @@ fn in_two_way_strands_share_with_one_another() {
     let positions = [0.010, 0.012, 0.014, 0.016].map(|x| DVec3::new(x, 0.01, 0.01)).to_vec();
     let mut crowd = with(Crowd::new(DVec3::splat(0.05), positions), 1.4, 1.4, true);
     let p = &mut crowd.parameters;
-    (p.model, p.hair_points, p.strand_of) = (Model::TwoWay, 3, vec![0, 0, 1]);
+    (p.interaction.model, p.hair_points, p.strand_of) = (Model::TwoWay, 3, vec![0, 0, 1]);
     let near = crowd.neighbours();
     let (theta, _) = crowd.density(&near);
     let exchange = limit(&crowd.parameters, &crowd.positions, &crowd.volume, &near, &theta, &[0.0; 4]);

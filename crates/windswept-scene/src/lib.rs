@@ -49,7 +49,7 @@ mod wind;
 mod write;
 
 pub use atomic::{AtomicFile, remove};
-pub use body::{Body, Capsule, CheckedBody, CheckedShape, Cuboid, Form, Plane, Shape, Sphere};
+pub use body::*;
 pub use change::{Assignments, Change, is_fixed};
 pub use counts::Counts;
 pub use curves::{Curves, Dropped, GroomFormat, npy_head};

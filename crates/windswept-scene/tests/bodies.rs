@@ -1,11 +1,8 @@
 //! Bodies and keyframes: where they are, what they leave of the box, and hair that starts in them.
-#![allow(clippy::unwrap_used, missing_docs)]
-
-mod common;
 
 use std::f64::consts::PI;
 
-use common::{BRUSH, assert_close, scene_of};
+use crate::common::{BRUSH, assert_close, scene_of};
 use glam::{DQuat, DVec3};
 use windswept_scene::{
     Body, Capsule, CheckedBody, CheckedShape, Cuboid, Groom, InitialState, Keyframe, Model, Motion, Pose, Scene, Solid,

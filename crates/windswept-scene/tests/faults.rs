@@ -1,9 +1,6 @@
 //! Each fault names its line and key and says what was expected.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::{QUICK, load, parse, parse_with};
+use crate::common::{QUICK, load, parse, parse_with};
 use windswept_scene::{Air, Body, CheckedScene, Hair, InitialState, Keyframe, Roots, Scene, SceneError, Time};
 
 const SMALL: &str = "\

@@ -1,11 +1,8 @@
 //! The format: its keys, its example, its defaults, and writing a scene out.
-#![allow(clippy::unwrap_used, missing_docs)]
-
-mod common;
 
 use std::collections::BTreeMap;
 
-use common::QUICK;
+use crate::common::QUICK;
 use toml_edit::{Document, Item, TableLike, Value};
 use windswept_scene::{
     Air, Band, Camera, CheckedScene, DirectFilter, Fibre, Filter, FluidSolver, GridFilter, Inflow, Integrator, Law,

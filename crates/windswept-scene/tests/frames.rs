@@ -1,5 +1,4 @@
 //! Meshes that deform: what their poses say, the grids that are baked of them, and files that are refused.
-#![allow(clippy::unwrap_used, missing_docs)]
 
 use std::{fs::File, io::Write, path::Path};
 

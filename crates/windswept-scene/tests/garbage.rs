@@ -1,9 +1,6 @@
 //! Whatever a file or a `--set` holds: a scene or an error, never a panic, and never a stack that ends.
-#![allow(clippy::unwrap_used, missing_docs)]
 
-mod common;
-
-use common::QUICK;
+use crate::common::{self, QUICK};
 use proptest::prelude::*;
 use windswept_scene::{InitialState, Scene};
 

@@ -1,11 +1,8 @@
 //! Groom files: the same curves out as in, in every format; a broken file is an error that says where.
-#![allow(clippy::unwrap_used, missing_docs)]
-
-mod common;
 
 use std::path::Path;
 
-use common::{Folder, deflated, load, parse, zeros_of};
+use crate::common::{Folder, deflated, load, parse, zeros_of};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept_scene::{
@@ -291,7 +288,8 @@ fn strands_far_shorter_than_the_rest_are_named() {
     assert_eq!(of(4e-3).1, Vec::<String>::new());
 }
 
-/// Arrays of unlike strands are filled up behind the tips, with a constant, not-a-numbers or repeats: no part of a strand.
+/// Arrays of unlike strands are filled up behind the tips, with a constant, not-a-numbers or repeats: no part of a
+/// strand.
 #[test]
 fn padding_is_cut_off_and_counted() {
     let folder = Folder::new();
@@ -520,8 +518,9 @@ fn a_scene_takes_its_strands_from_a_file() {
     assert!((root - glam::DVec3::new(0.0, 1.01, 0.0)).length() < 1e-12, "{root}");
 }
 
-/// A path that starts elsewhere than in the scene's folder is refused with its line, key and reason, unless an assignment
-/// says it; one that leads out of the folder is not. A scene's text for another folder has paths that start there.
+/// A path that starts elsewhere than in the scene's folder is refused with its line, key and reason, unless an
+/// assignment says it; one that leads out of the folder is not. A scene's text for another folder has paths that start
+/// there.
 #[test]
 fn paths_start_from_the_scenes_folder() {
     let folder = Folder::new();

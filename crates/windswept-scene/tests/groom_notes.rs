@@ -1,9 +1,6 @@
 //! Notes on a groom file that are no faults: data that it leaves to others, and data that another format cannot hold.
-#![allow(clippy::unwrap_used, missing_docs)]
 
-mod common;
-
-use common::Folder;
+use crate::common::Folder;
 use windswept_scene::{Curves, GroomFile, GroomFormat};
 
 /// A note names the arrays that a format has no room for as a `.npz` file names them; arrays that follow from the

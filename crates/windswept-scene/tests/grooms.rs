@@ -1,12 +1,9 @@
 //! Strands of the caller's own: the same state from the same strands, frames along curved shapes, ellipses, ends,
 //! faults.
-#![allow(clippy::unwrap_used)]
-
-mod common;
 
 use std::f64::consts::{PI, TAU};
 
-use common::{assert_close, brush, parse};
+use crate::common::{assert_close, brush, parse};
 use glam::{DMat3, DQuat, DVec3};
 use windswept_scene::{
     CheckedScene, End, Fibre, Groom, InitialState, Moduli, PerStrand, RestCurvature, SceneError, Stiffness,

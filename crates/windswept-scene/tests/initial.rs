@@ -1,9 +1,6 @@
 //! Initial state of a scene: air at its density, with its wind; the origin of coordinates; warnings to the user.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::{BRUSH, QUICK, assert_close, brush, scene_of};
+use crate::common::{self, BRUSH, QUICK, assert_close, brush, scene_of};
 use glam::DVec3;
 use windswept_scene::{Air, Body, Hair, InitialState, Keyframe, Model, Roots, Scene, Time, Turbulence};
 
@@ -25,8 +22,8 @@ fn quick_is_what_it_says() {
     assert!(filled < 0.5 * size.y * size.z, "{filled} m²");
 }
 
-/// Roots that are far from the body that they move with, and roots that rest on a body that moves, are warned of; a body
-/// that there is not is a fault.
+/// Roots that are far from the body that they move with, and roots that rest on a body that moves, are warned of; a
+/// body that there is not is a fault.
 #[test]
 fn roots_that_leave_their_body_are_warned_of() {
     let mut scene = Scene::new(Time::new(1e-3, 1.0));

@@ -1,9 +1,6 @@
 //! Mesh files as other programs write them: skins, strips, what is not of triangles, long lines, colours.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::glb_of;
+use crate::common::glb_of;
 use glam::{DMat4, DVec3};
 use windswept_scene::Triangles;
 
@@ -26,7 +23,8 @@ fn corners(keys: &str, nodes: &str, more: &[u8], accessors: &str) -> Vec<DVec3> 
     mesh.corners.as_flattened().iter().map(|&i| mesh.points[i as usize]).collect()
 }
 
-/// Strips and fans are triangles of one side; points, lines and other scenes are left out; looks are no reason to refuse.
+/// Strips and fans are triangles of one side; points, lines and other scenes are left out; looks are no reason to
+/// refuse.
 #[test]
 fn strips_and_fans_are_read() {
     let [a, b, c, d] = [DVec3::ZERO, DVec3::X, DVec3::Y, DVec3::X + DVec3::Y];
@@ -40,7 +38,8 @@ fn strips_and_fans_are_read() {
 /// The joints of a skin carry the points, by their weights, and the mesh's own node does not.
 #[test]
 fn joints_carry_a_skin() {
-    // Joint 2 is at (1, 0, 0) now and was at (0, 0, 3) when it was bound; joint 3 is below it, turned, and was at the origin.
+    // Joint 2 is at (1, 0, 0) now and was at (0, 0, 3) when it was bound; joint 3 is below it, turned, and was at the
+    // origin.
     let turn = std::f64::consts::FRAC_1_SQRT_2;
     let nodes = format!(
         r#"{{"mesh":0,"skin":0,"translation":[5,0,0],"children":[2]}},

@@ -1,11 +1,8 @@
 //! Bodies that mesh files give: how a scene spells them, that they are what the file encloses, and roots on them.
-#![allow(clippy::unwrap_used, missing_docs)]
-
-mod common;
 
 use std::{f64::consts::PI, fmt::Write};
 
-use common::{Folder, box_of, obj, parse};
+use crate::common::{self, Folder, box_of, obj, parse};
 use glam::{DQuat, DVec3};
 use windswept_scene::{Body, CheckedScene, CheckedShape, InitialState, Scene, SceneError, Solid, Triangles};
 

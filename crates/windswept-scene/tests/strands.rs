@@ -1,11 +1,8 @@
 //! Strands at t = 0: rest shapes that are at rest, roots on their shapes, masses and compliances of fibres.
-#![allow(clippy::unwrap_used)]
-
-mod common;
 
 use std::f64::consts::{PI, TAU};
 
-use common::{assert_close, brush, fibres};
+use crate::common::{assert_close, brush, fibres};
 use glam::{DMat3, DQuat, DVec3};
 use windswept_scene::{End, Groom, InitialState, Roots, Scene, Strands, Warning};
 
@@ -144,8 +141,8 @@ fn masses_and_compliances_are_those_of_a_fibre() {
     assert_close(state.hair.inverse_inertia[0], 2.0 / (1.46e-7 * l * l), "inertia with point_mass");
 }
 
-/// A stiffness along the strand scales what bends and twists, and that alone: a factor of 1 changes no bit. A clamped tip
-/// has the last factor, and curves of a groom that are divided unevenly have it by their length.
+/// A stiffness along the strand scales what bends and twists, and that alone: a factor of 1 changes no bit. A clamped
+/// tip has the last factor, and curves of a groom that are divided unevenly have it by their length.
 #[test]
 fn stiffness_along_a_strand_scales_its_joints() {
     let (_, plain) = brush(&[]);

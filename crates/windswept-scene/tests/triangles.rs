@@ -1,11 +1,8 @@
 //! Files of triangles, and grids of distances from their surfaces: against closed forms.
-#![allow(clippy::unwrap_used, missing_docs)]
-
-mod common;
 
 use std::{f64::consts::PI, fmt::Write, path::Path, sync::Arc};
 
-use common::{Folder, box_of, glb_of, obj};
+use crate::common::{Folder, box_of, glb_of, obj};
 use glam::{DQuat, DVec3, Vec3Swizzles};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
@@ -239,7 +236,8 @@ fn a_grid_needs_no_other_thread() {
         return;
     }
     let mut again = std::process::Command::new(std::env::current_exe().unwrap());
-    let output = again.args(["a_grid_needs_no_other_thread", "--exact"]).env(stack, endless).output().unwrap();
+    let output =
+        again.args(["triangles::a_grid_needs_no_other_thread", "--exact"]).env(stack, endless).output().unwrap();
     let said = String::from_utf8_lossy(&output.stdout);
     assert!(output.status.success() && said.contains("1 passed"), "{said}");
 }
@@ -260,8 +258,8 @@ fn a_surface_that_encloses_nothing_is_refused() {
     assert!(DistanceGrid::bake(&Triangles::default(), 0.01, 0.0).is_err());
     assert_eq!(DistanceGrid::spacing_for([DVec3::ZERO, DVec3::new(0.128, 0.1, 0.064)]), 0.001);
     assert_eq!(DistanceGrid::spacing_for([DVec3::ZERO, DVec3::new(1.0, 0.4, 0.2)]), 0.002);
-    // A cube of 1 m has (1/h + 21)³ nodes, and a tenth of a millimetre less would be too many; so for a person. Beyond 2 m a
-    // scale of other units is the likelier fault.
+    // A cube of 1 m has (1/h + 21)³ nodes, and a tenth of a millimetre less would be too many; so for a person. Beyond
+    // 2 m a scale of other units is the likelier fault.
     assert_eq!(DistanceGrid::spacing_for([DVec3::ZERO, DVec3::ONE]), 0.0034);
     assert_eq!(DistanceGrid::spacing_for([DVec3::ZERO, DVec3::new(1.6, 1.8, 0.4)]), 0.0036);
     assert_eq!(DistanceGrid::spacing_for([DVec3::ZERO, DVec3::splat(80.0)]), 0.002);

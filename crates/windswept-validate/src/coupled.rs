@@ -155,7 +155,7 @@ fn density_on_roots(s: &State, p: &Parameters) -> DVec3 {
     let mut movable = s.inverse_mass.clone();
     roots.iter().for_each(|&root| movable[root] = 1.0);
     let mut sum = DVec3::ZERO;
-    for _ in 0..p.fluid_iterations {
+    for _ in 0..p.fluid.iterations {
         let (_, lambda) = fluid::density(p, &w.predicted, &s.inverse_mass, &s.volume, &w.near);
         let shift = fluid::correct(p, &w.predicted, &movable, &s.volume, &w.near, &lambda);
         for (i, shift) in shift.into_iter().enumerate() {

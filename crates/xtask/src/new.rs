@@ -169,8 +169,7 @@ impl FrameSink for Sink {{
 "
     );
     let test = format!(
-        "//! Files of format {name}, read by another program.
-
+        "
 #[test]
 fn another_program_reads_{name}() {{
     panic!(\"write a frame in format {name}, and compare what another program reads of it with the frame\");
@@ -193,7 +192,7 @@ fn another_program_reads_{name}() {{
                  film: None,\n    }},"
             ),
         },
-        Place { path: format!("crates/windswept-export/tests/{name}.rs"), at: At::New, text: test },
+        Place { path: "crates/windswept-export/tests/formats.rs".to_owned(), at: At::End, text: test },
     ])
 }
 

@@ -322,7 +322,7 @@ fn strands_start_and_end_as_in_the_reference() {
             rods::predict_all(&mut s, &mut w, p);
             assert_eq!(drives_apart(&fixture, &w).2, 0, "{n}, {solved:?}: strands go another way");
             same_conditions(&s);
-            for strand in (0..n).filter(|strand| case_of(*strand).ends.0 != End::Free && p.sleep) {
+            for strand in (0..n).filter(|strand| case_of(*strand).ends.0 != End::Free && p.rods.sleep) {
                 assert_eq!(w.motions[strand].state, case_of(strand).goes, "{n}, {solved:?}: {}", case_of(strand).what);
             }
             let starts = apart(&fixture, &s, &w);
@@ -362,7 +362,10 @@ fn strands_start_and_end_as_in_the_reference() {
             let wanted = [s.euler_steps, s.sleeping_steps, s.teleports, s.unsolved_steps];
             let same = counted[..3] == wanted[..3] && counted[3].abs_diff(wanted[3]) <= astray;
             assert!(same, "{n}, {solved:?}, {step} s: {counted:?} instead of {wanted:?}");
-            assert!(n < 63 || wanted[2] > 0 && (wanted[1] > 0) == p.sleep && (wanted[3] > 0) == p.direct, "{wanted:?}");
+            assert!(
+                n < 63 || wanted[2] > 0 && (wanted[1] > 0) == p.rods.sleep && (wanted[3] > 0) == p.direct,
+                "{wanted:?}"
+            );
         }
     }
 }

@@ -109,7 +109,7 @@ pub(super) fn run(s: &State, w: &mut Scratch, p: &Parameters, constrained: usize
     solve(s, w, p, see);
     path(s, w, p);
     see("fluid/path", s, w);
-    if p.model == Model::Particles {
+    if p.interaction.model == Model::Particles {
         for i in 0..p.hair_points {
             w.correction[i] = LASTING * p.step * w.pressed[i].change;
         }
@@ -135,7 +135,7 @@ fn solve(s: &State, w: &mut Scratch, p: &Parameters, see: &mut Observer<'_>) {
         w.coarse_impulse = coarse_impulse(&w.solids, mean, part);
         see("fluid/coarse_push", s, w);
     }
-    for omega in relaxations(p.pressure_iterations) {
+    for omega in relaxations(p.fluid.pressure_iterations) {
         w.divergence = divergence(p, &w.predicted, &w.new_velocity, volume, &w.near, &w.moments);
         let mu: Vec<f64> = (0..w.divergence.len())
             .map(|i| relax(omega, p.part(volume[i]), w.divergence[i], &w.moments[i], w.pressed[i].pressure))
@@ -195,7 +195,7 @@ fn give(w: &mut Scratch, changes: Vec<DVec3>) {
 
 /// Particles that share pressure with particle `i`: hair does with the model `particles` only.
 fn others<'a>(p: &'a Parameters, near: &'a Neighbours, i: usize) -> impl Iterator<Item = usize> + 'a {
-    near.of(i).filter(move |&j| p.model == Model::Particles || p.is_air(i) && p.is_air(j))
+    near.of(i).filter(move |&j| p.interaction.model == Model::Particles || p.is_air(i) && p.is_air(j))
 }
 
 /// Gradient g_ij = ∇_i W \[1/m⁴\]; 0 for particles that lie on one another.

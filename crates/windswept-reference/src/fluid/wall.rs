@@ -60,7 +60,7 @@ pub fn solid(p: &Parameters, placed: &[Placed], x: DVec3) -> f64 {
 /// Whether bodies are walls to the air.
 #[must_use]
 pub fn has_walls(p: &Parameters) -> bool {
-    p.air && p.solver == FluidSolver::Divergence && !p.bodies.is_empty()
+    p.air && p.fluid.solver == FluidSolver::Divergence && !p.bodies.is_empty()
 }
 
 /// The wall that a surface is to a particle of this speed \[m/s\].
@@ -88,7 +88,7 @@ pub fn walls(w: &mut Scratch, p: &Parameters) {
             w.predicted[i] = cleared.x;
             Some(cleared.near)
         } else {
-            (p.model == Model::Particles).then(|| contact::nearest_body(p, placed, false, w.predicted[i]))
+            (p.interaction.model == Model::Particles).then(|| contact::nearest_body(p, placed, false, w.predicted[i]))
         };
         w.walls.push(near.map_or_else(Wall::default, |near| wall(p, near, w.new_velocity[i].length())));
     }

@@ -190,7 +190,7 @@ pub fn drag(p: &Parameters, hair: &Strands, local: &[Local], x: &[DVec3], v: &[D
 /// Whether a segment with its middle there is in the air that is sampled: with `particles` only the mean wind outside
 /// their box drags.
 fn exposed(p: &Parameters, middle: DVec3) -> bool {
-    match p.model {
+    match p.interaction.model {
         Model::Drag | Model::TwoWay => true,
         Model::Particles => !(middle.cmpge(DVec3::ZERO).all() && middle.cmplt(p.box_size).all()),
         Model::None => false,
@@ -256,6 +256,6 @@ fn segment(
     Piece {
         resistance: normal * (DMat3::IDENTITY - along) + tangential * along,
         largest: normal.max(tangential),
-        lift: half_rho * width * p.lift * speed * tangent.cross(slip),
+        lift: half_rho * width * p.interaction.lift * speed * tangent.cross(slip),
     }
 }

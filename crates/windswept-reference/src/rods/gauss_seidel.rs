@@ -12,7 +12,7 @@ pub fn gauss_seidel(p: &Parameters, hair: &Strands, s: usize, motion: &StrandMot
         return;
     }
     let clamped = hair.ends(s).root == End::Clamped;
-    for _ in 0..p.rod_iterations {
+    for _ in 0..p.rods.iterations {
         for (k, point) in hair.segments(s).zip(hair.points(s)) {
             let first = k == hair.segments(s).start;
             if !first || clamped {
@@ -35,7 +35,7 @@ fn bend_twist(p: &Parameters, hair: &Strands, m: &mut Moving, k: usize, clamp: O
     let a = (DMat3::from_diagonal(DVec3::splat(joint.w)) - cross_matrix(joint.xyz()))
         * DMat3::from_quat(before).transpose()
         * 0.5;
-    let compliance = hair.bend_compliance[k] / response(p.damping, own.step);
+    let compliance = hair.bend_compliance[k] / response(p.rods.damping, own.step);
     let system = a * a.transpose() * (own_w + before_w) + DMat3::from_diagonal(compliance);
     let change = system.inverse() * -(constraint + compliance * own.bend);
     let moment = a.transpose() * change;
@@ -53,7 +53,7 @@ fn stretch_shear(p: &Parameters, hair: &Strands, m: &mut Moving, k: usize, point
     // Multipliers are forces times the response of frames; a point that more than that resists moves by less.
     let weight = |i: usize| {
         let point = &m.points[i];
-        point.inverse_mass * (response(damping(p, point), point.step) / response(p.damping, point.step))
+        point.inverse_mass * (response(damping(p, point), point.step) / response(p.rods.damping, point.step))
     };
     let (w0, w1, wq) = (weight(point), weight(point + 1), hair.inverse_inertia[k]);
     let own = &m.segments[k];
@@ -61,7 +61,7 @@ fn stretch_shear(p: &Parameters, hair: &Strands, m: &mut Moving, k: usize, point
     let tangent = q * DVec3::Z;
     let chord = own.chord + m.points[point + 1].displacement - m.points[point].displacement;
     let constraint = q.conjugate() * (chord / l - tangent);
-    let compliance = hair.stretch_compliance[k] / response(p.damping, own.step);
+    let compliance = hair.stretch_compliance[k] / response(p.rods.damping, own.step);
     let system = DVec3::splat((w0 + w1) / (l * l)) + wq * DVec3::new(1.0, 1.0, 0.0) + compliance;
     let wanted = -(constraint + compliance * own.stretch) / system;
     let change = DVec3::select(system.cmpgt(DVec3::ZERO), wanted, DVec3::ZERO);

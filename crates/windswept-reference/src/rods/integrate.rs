@@ -41,7 +41,7 @@ pub fn response(damping: f64, h: f64) -> f64 {
 /// Damping c of a point \[1/s\]: the scene's, and what resists the point's velocity.
 #[must_use]
 pub fn damping(p: &Parameters, point: &Point) -> f64 {
-    p.damping + point.inverse_mass * point.load.resistance
+    p.rods.damping + point.inverse_mass * point.load.resistance
 }
 
 /// Frame q turned by the small rotation vector `angle` \[rad\], world axes.

@@ -21,7 +21,7 @@ pub fn predict(p: &Parameters, s: &mut state::State, strand: usize, motion: &mut
     let push = load(p, s, strand, m);
     let rested = s.resting[strand] >= RESTING_STEPS && f64::from(s.resting[strand]) * p.step >= p.rest[strand].time;
     // A trembling strand feels a trembling drag, which must not wake it.
-    let pushed = (sleeping || p.model == Model::Particles) && push > p.rest[strand].acceleration * p.step;
+    let pushed = (sleeping || p.interaction.model == Model::Particles) && push > p.rest[strand].acceleration * p.step;
     let resets = std::mem::take(&mut s.failed[strand]);
     let sleeps = !resets && motion.state == State::Sleeping && rested && !pushed && !(sleeping && motion.woken);
     s.sleeping[strand] = sleeps;
@@ -101,7 +101,7 @@ fn set_off(p: &Parameters, hair: &Strands, strand: usize, motion: &StrandMotion,
         segment.step = h;
         let [now, before, previous_move] =
             [segment.angular_velocity, segment.before, segment.previous_move].map(|v| keeps * v);
-        segment.free = rotation(free_move(p, now, before, previous_move, DVec3::ZERO, p.damping, h));
+        segment.free = rotation(free_move(p, now, before, previous_move, DVec3::ZERO, p.rods.damping, h));
         segment.turn = rotation((p.step * now).clamp_length_max(TURN));
         let turn = if p.direct { segment.turn } else { segment.free };
         segment.frame = (turn * segment.start).normalize();

@@ -139,7 +139,7 @@ pub fn potential(p: &Parameters, hair: &Strands, s: usize, motion: &StrandMotion
     let first = hair.segments(s).start;
     for (k, segment) in segments.iter().enumerate() {
         let off = segment.turn * segment.free.conjugate();
-        let inertia = 1.0 / (response(p.damping, segment.step) * hair.inverse_inertia[first + k]);
+        let inertia = 1.0 / (response(p.rods.damping, segment.step) * hair.inverse_inertia[first + k]);
         sum += 4.0 * inertia * (1.0 - off.w.abs());
         let strain = segment.frame.conjugate() * segment.strain / hair.rest_length[first + k];
         sum += 0.5 * (strain * strain * stiffness(hair.stretch_compliance[first + k])).element_sum();
@@ -281,7 +281,7 @@ impl Rod<'_> {
         // The pull of what lies beyond, which the frame resists turning off.
         let pull = -(passed + parts(&push).1);
         let tension = l * if steep { pull.length() } else { pull.dot(axes.z_axis).max(0.0) };
-        let inertia = 1.0 / (response(self.p.damping, segment.step) * self.hair.inverse_inertia[j]);
+        let inertia = 1.0 / (response(self.p.rods.damping, segment.step) * self.hair.inverse_inertia[j]);
         let off = segment.turn * segment.free.conjugate();
         let cross = cross_matrix(axes.z_axis);
         add(&mut matrix, (0, 0), DMat3::from_diagonal(DVec3::splat(inertia)) - cross * cross * tension);

@@ -24,7 +24,7 @@ pub fn update(p: &Parameters, s: &mut state::State, strand: usize, w: &mut Scrat
     s.over_strained += usize::from(s.strained_steps[strand] == STRAINED_STEPS);
     let motion = &w.motions[strand];
     s.unsolved_steps += usize::from(p.direct && motion.state == State::Free || motion.comes_out);
-    if !p.sleep || s.sleeping[strand] {
+    if !p.rods.sleep || s.sleeping[strand] {
         return;
     }
     s.resting[strand] = if rests(p, &s.hair, strand, m) { s.resting[strand] + 1 } else { 0 };
@@ -69,8 +69,9 @@ pub fn rests(p: &Parameters, hair: &Strands, s: usize, m: &Moving) -> bool {
     let rest = p.rest[s];
     // A strand that nothing holds may drift as slowly as it will.
     let held = m.points[hair.points(s).start].inverse_mass == 0.0;
-    let pushed =
-        |point: &Point| p.model == Model::Particles && point.impulse_change.length() > rest.acceleration * p.step;
+    let pushed = |point: &Point| {
+        p.interaction.model == Model::Particles && point.impulse_change.length() > rest.acceleration * p.step
+    };
     let rests = |point: &Point| point.rest_drift.length() <= rest.way && !pushed(point);
     held && m.points[hair.points(s)].iter().all(rests)
         && m.segments[hair.segments(s)].iter().all(|segment| segment.rest_drift.length() <= STILL_TURN)

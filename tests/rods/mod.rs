@@ -1,12 +1,10 @@
 //! Strands by themselves: statics at any step, dynamics, violent starts; by the direct solver unless a test says
 //! otherwise. Expected values are from windswept_reference::tables.
-#![allow(clippy::unwrap_used, clippy::needless_range_loop, missing_docs)]
+#![allow(clippy::needless_range_loop)]
 
 mod motion;
 mod rest;
 mod skip;
-#[path = "../support/mod.rs"]
-mod support;
 mod thresholds;
 mod whole;
 
@@ -15,6 +13,8 @@ use windswept::Simulation;
 use windswept_reference::tables;
 use windswept_scene::{InitialState, Rods, Scene};
 use windswept_validate::internals::{self, GRAVITY, Rod, tips};
+
+use crate::support;
 
 fn build(rods: &[Rod], step: f64, solved: Rods) -> (Scene, InitialState) {
     internals::build(rods, 1, step, GRAVITY, solved).unwrap()

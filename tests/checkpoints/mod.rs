@@ -1,10 +1,7 @@
 //! Checkpoints: a simulation that was saved goes on with the same bits, nothing that lasts is missing, and a file that
 //! is not whole is refused.
-#![allow(clippy::unwrap_used, missing_docs)]
 
 mod refused;
-#[path = "../support/mod.rs"]
-mod support;
 
 use std::fs;
 
@@ -14,6 +11,8 @@ use windswept::{
     internals::{Plan, Recorder, Setup, State, step},
 };
 use windswept_scene::{Groom, InitialState, Scene};
+
+use crate::support;
 
 /// A dozen strands in about 800 particles of air.
 const SMALL: &str = "

@@ -1,16 +1,12 @@
 //! The filter's cut particle by particle, and what confinement does to air; formulas are in tests/formulas.rs.
-#![allow(clippy::unwrap_used, missing_docs)]
 
 mod dial;
-#[path = "../support/mod.rs"]
-mod support;
 
 use std::f64::consts::TAU;
 
 use glam::DVec3;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
-use support::{VOLUME, lattice};
 use windswept::{
     GpuError, Simulation,
     gpu::wgpu,
@@ -18,6 +14,8 @@ use windswept::{
 };
 use windswept_scene::{Air, Band, DirectFilter, Filter, FluidSolver, GridFilter, InitialState, Scene, Time};
 use windswept_validate::internals::{SIMPLE, waves};
+
+use crate::support::{self, VOLUME, lattice};
 
 /// The scene of the tests, whose air is that of solver `divergence`: the default.
 fn air_scene() -> Scene {

@@ -1,0 +1,4 @@
+//! Whole runs of the scenes in `examples/scenes`.
+
+mod figures;
+mod quick;
