@@ -265,8 +265,8 @@ class Simulation:
             frame.time, frame.hair.positions
         sim.report()["max_stretch"]
 
-    SI, right-handed, Y up. Between steps, `set_body`, `set_roots`, `set_pins`, `set_wind`, `set_force`, `set_hair` and `set_air`
-    drive it; `run` calls back for that. `render` draws it, `VtkHdfWriter` writes it.
+    SI, right-handed, Y up. Between steps, `set_body`, `set_roots`, `set_pins`, `set_wind`, `set_force`, `set_hair` and
+    `set_air` drive it; `run` calls back for that. `render` draws it, `VtkHdfWriter` writes it.
 
     Args:
         scene: what to simulate.
@@ -449,8 +449,8 @@ class Simulation:
         is now the values are those of a new simulation. Roots, pins and a force that were set stay, and so does a wind
         that was set, unless the scene's wind changes.
 
-        Changes go on top of a scene that is given. Buffers on the device are made anew, strands that sleep wake, and new
-        warnings are `UserWarning`s.
+        Changes go on top of a scene that is given. Buffers on the device are made anew, strands that sleep wake, and
+        new warnings are `UserWarning`s.
 
         Raises:
             SceneError: a fault of the scene, or the key of a value that a simulation keeps.
@@ -586,8 +586,8 @@ class HairState:
         """`(strands, 4)` float32: quaternions x, y, z, w of the frames that clamp the roots."""
     @property
     def drag(self) -> NDArray[np.float32]:
-        """`(points, 3)` float32 [N]: force of the air on each point in the last step, drag and lift, of all fibres that the
-        strand stands for.
+        """`(points, 3)` float32 [N]: force of the air on each point in the last step, drag and lift, of all fibres that
+        the strand stands for.
         """
     @property
     def air_velocity(self) -> NDArray[np.float32]:
@@ -596,9 +596,9 @@ class HairState:
         """
     @property
     def root_force(self) -> NDArray[np.float32]:
-        """`(strands, 3)` float32 [N]: force of each strand's first segment on its clamp in the last step, with the pressure of
-        other strands in it. Not a number where something else holds the strand too: a held tip, a pin, a body that it
-        touches; zero with interaction.model particles.
+        """`(strands, 3)` float32 [N]: force of each strand's first segment on its clamp in the last step, with the
+        pressure of other strands in it. Not a number where something else holds the strand too: a held tip, a pin, a
+        body that it touches; zero with interaction.model particles.
 
         Raises:
             RunError: there was no step since an update, a load, or a force that was set; so for drag and the others.
@@ -689,8 +689,8 @@ class Frame:
         """The air particles."""
     @property
     def bodies(self) -> NDArray[np.float64]:
-        """`(bodies, 7)` float64: translation [m] and rotation, quaternion x, y, z, w, of each body in the scene's order, as
-        `Simulation.set_body` takes them.
+        """`(bodies, 7)` float64: translation [m] and rotation, quaternion x, y, z, w, of each body in the scene's order,
+        as `Simulation.set_body` takes them.
         """
 
 @final

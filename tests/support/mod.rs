@@ -81,16 +81,11 @@ pub fn scene() -> Scene {
     scene
 }
 
-/// The solid of a shape other than a mesh as so many rows and sides of triangles, in a grid of this spacing \[m\].
+/// The solid of a shape as so many rows and sides of triangles, in a grid of this spacing \[m\].
 pub fn solid(shape: &Shape, rows: u32, sides: u32, resolution: f64) -> Solid {
-    let round = match *shape {
-        Shape::Sphere(sphere) => CheckedShape::Sphere(sphere),
-        Shape::Capsule(capsule) => CheckedShape::Capsule(capsule),
-        Shape::Cuboid(cuboid) => CheckedShape::Cuboid(cuboid),
-        Shape::Plane(plane) => CheckedShape::Plane(plane),
-        Shape::Mesh(_) => panic!("a mesh has triangles already"),
-    };
-    Solid::enclosed(round.surface(rows, sides), Some(resolution)).unwrap()
+    let body = Body { shape: shape.clone(), ..Body::sphere([0.0; 3], 1.0) };
+    let checked = Scene { bodies: vec![body], ..scene() }.check().unwrap();
+    Solid::enclosed(checked.bodies[0].shape.surface(rows, sides), Some(resolution)).unwrap()
 }
 
 /// The scene with its only body as so many rows and sides of triangles, in a grid of this spacing \[m\].
