@@ -86,15 +86,15 @@ def page() -> str:
     ]
     return f"""# Looks
 
-Each picture is `examples/scenes/looks.toml` {TIME} s after the wind began, with the keys beside it in place of the scene's.
-`python benches/looks.py COMMAND` makes the pictures and this page, with the built command `windswept`.
+Each picture is `examples/scenes/looks.toml` {TIME} s after the wind began, with the keys beside it in place of the
+scene's. `python benches/looks.py COMMAND` makes the pictures and this page, with the built command `windswept`.
 
 | Picture | Look | Keys |
 |---|---|---|
 {"".join(rows)}
-Keys go into the scene, or behind `windswept run scene.toml` as `--set KEY=VALUE`. They act on any scene; how much depends on
-the length of the hair and the size of the head. [Scene keys](../reference/keys.md) says what else can be set, and a look that
-changes in the course of a film does so by `[[change]]`.
+Keys go into the scene, or behind `windswept run scene.toml` as `--set KEY=VALUE`. They act on any scene; how much
+depends on the length of the hair and the size of the head. [Scene keys](../reference/keys.md) says what else can be
+set, and a look that changes in the course of a film does so by `[[change]]`.
 """
 
 

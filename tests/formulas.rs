@@ -83,7 +83,7 @@ checks! {
     steps_are_those_of_the_reference: "reference-step",
 }
 
-/// A pass, a value of it by number and the factor on it (`fault::plant`), the check that looks at it.
+/// A pass, a value of it by number, the factor on it where it is a float (`fault::plant`), the check that looks at it.
 type Wrong = (&'static Pass, usize, f32, &'static str);
 
 /// A value of a shader that is wrong by a little makes at least one row of the check that looks at it fail.
@@ -92,19 +92,18 @@ fn turn_rows_red(cases: &[Wrong]) {
         let gpu = fault::plant(&support::gpu(), pass, value, factor);
         let rows = rows(check, &gpu);
         println!("{}: {:?}", pass.name, failing(&rows));
-        assert!(!failing(&rows).is_empty(), "{} passes {check} with {factor} times value {value}", pass.name);
+        assert!(!failing(&rows).is_empty(), "{} passes {check} with another value {value}", pass.name);
     }
 }
 
 #[test]
-#[ignore = "long: 8 s of CPU time, of one kind with those below"]
 fn wrong_values_of_wind_turn_rows_red() {
     turn_rows_red(&[
         (&rods::DRAG, 0, 1.01, "drag"),                       // FORM
         (&rods::DRAG, 1, 1.002, "drag"),                      // FRICTION
         (&rods::REACT, 19, 1.01, "exchange"),                 // inverse mass of air
         (&forcing::FRINGE, 55, 1.01, "wind"),                 // RELAXATION
-        (&forcing::MEAN_WIND, 18, 1.0, "wind"),               // 1 of the next step
+        (&forcing::MEAN_WIND, 16, 1.0, "wind"),               // 1 of the next step
         (&forcing::FIELD_STRENGTHS, 39, 1.0, "force-fields"), // 1 of the next step
         (&forcing::DRIVE_AIR, 20, 1.01, "force-fields"),      // rate of the uptake
         (&forcing::DRIVE_AIR, 36, 0.8, "force-fields"),       // where a field begins to fade
@@ -145,7 +144,7 @@ fn wrong_values_of_air_turn_rows_red() {
         (&turbulence::BAND, 25, 1.03, "reference"),       // 3 of the Mexican hat
         (&turbulence::DEPOSIT, 253, 1.001, "reference"),  // node beside a particle
         (&turbulence::SMOOTH_X, 8, 1.001, "reference"),   // a node's part of the Gaussian
-        (&turbulence::SMOOTH_Y, 9, 1.001, "reference"),   // the same
+        (&turbulence::SMOOTH_Y, 9, 1.001, "reference"),   // a node's part of the Gaussian
         (&turbulence::SMOOTH_Z, 14, 1.001, "reference"),  // a node's part of its curvature
         (&turbulence::GATHER, 108, 1.001, "reference"),   // weight of a B-spline
         (&turbulence::CONFINE, 75, 1.01, "confinement"),  // energy over its limit

@@ -55,7 +55,9 @@ fn memory_is_flat() {
     for (case, sets) in (0..).map_while(|case| Some((case, sets(case)?))) {
         // In a process of its own: elsewhere what is left behind may lie where the device of an earlier case was.
         let mut process = std::process::Command::new(std::env::current_exe().unwrap());
-        process.args(["memory::memory_is_flat", "--exact", "--nocapture"]).env(CASE, case.to_string());
+        process
+            .args(["memory::memory_is_flat", "--exact", "--include-ignored", "--nocapture"])
+            .env(CASE, case.to_string());
         let output = process.output().unwrap();
         let text = String::from_utf8(output.stdout).unwrap();
         let grown = text.lines().find_map(|line| line.strip_prefix(GROWN)).and_then(|mb| mb.parse::<f64>().ok());

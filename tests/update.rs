@@ -321,8 +321,8 @@ fn a_wind_that_is_set_drives_eddies() {
     assert!(bits(&set) == bits(&loaded));
 }
 
-/// A change of a scene is an update at its time; the updates of a simulation are changes of the scene that it began with:
-/// all have the same bits.
+/// A change of a scene is an update at its time; the updates of a simulation are changes of the scene that it began
+/// with: all have the same bits.
 #[test]
 fn a_change_is_an_update_at_its_time() {
     let gpu = support::gpu();

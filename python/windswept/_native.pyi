@@ -79,7 +79,8 @@ def contact_sheet(pictures: Sequence[_Path], path: _Path) -> None:
         path: of the sheet, a PNG.
 
     Raises:
-        ExportError: one cannot be read, their sizes differ, they have more than 134 million pixels in all, the sheet cannot be written.
+        ExportError: one cannot be read, their sizes differ, they have more than 134 million pixels in all, the sheet
+            cannot be written.
     """
 def _measure_file(
     path: _Path, wind: Sequence[float] | None, gravity: Sequence[float] | None, start: float | None, end: float | None
@@ -146,25 +147,27 @@ class Groom:
         youngs_modulus: E [Pa].
         poissons_ratio: above -1, at most 0.5.
         rest_curvature: rest Darboux vector (kappa1, kappa2, tau) [1/m] in the material frame: `(3,)`, `(strands, 3)`,
-            `(strands, n - 1, 3)` or, with offsets, `(segments, 3)`: one a joint, joint 0 the clamp. A clamped tip's joint is as the
-            last. None: the given shape is the rest shape, tip_frame included; frames go from segment to segment by the
-            smallest rotation.
-        root_frame: `(4,)` or `(strands, 4)` quaternion x, y, z, w of the clamp, of any length but 0; its d3 need not be along the
-            first segment. None: d3 along the first segment, d1 by the smallest rotation from +x (from +z if parallel).
+            `(strands, n - 1, 3)` or, with offsets, `(segments, 3)`: one a joint, joint 0 the clamp. A clamped tip's
+            joint is as the last. None: the given shape is the rest shape, tip_frame included; frames go from segment to
+            segment by the smallest rotation.
+        root_frame: `(4,)` or `(strands, 4)` quaternion x, y, z, w of the clamp, of any length but 0; its d3 need not be
+            along the first segment. None: d3 along the first segment, d1 by the smallest rotation from +x (from +z if
+            parallel).
         root: "clamped", "pinned" or "free".
         tip: the same; "clamped" with the direct solver only.
         fibres_per_strand: real hairs that a strand stands for.
         point_mass: of every point [kg]. None: from density, radius and lengths.
         aspect: semi-minor over semi-major axis of the cross-section, above 0, at most 1.
-        tip_frame: `(4,)` or `(strands, 4)` quaternion of a clamped tip; other tips have none. None: turned on by half a joint
-            from the last segment.
+        tip_frame: `(4,)` or `(strands, 4)` quaternion of a clamped tip; other tips have none. None: turned on by half a
+            joint from the last segment.
         friction: Coulomb's coefficient of the strands on other strands, at least 0; model two-way only.
-        rest: "weightless": the given shape is the rest shape, and weight bends strands from it. "hanging": gravity alone
-            leaves strands with a clamped root as they are given; those of another root are warned of. Not with rest_curvature.
-        guides: `(strands,)` bool, which strands are simulated; the others follow the three of those whose roots are nearest. None: all
-            are simulated.
-        stiffness: factor of the stiffness to bend and twist along each strand: `(pairs, 2)` floats, parts of the length from the
-            root, from 0 to 1, with the factors there, linear between. None: 1.
+        rest: "weightless": the given shape is the rest shape, and weight bends strands from it. "hanging": gravity
+            alone leaves strands with a clamped root as they are given; those of another root are warned of. Not with
+            rest_curvature.
+        guides: `(strands,)` bool, which strands are simulated; the others follow the three of those whose roots are
+            nearest. None: all are simulated.
+        stiffness: factor of the stiffness to bend and twist along each strand: `(pairs, 2)` floats, parts of the length
+            from the root, from 0 to 1, with the factors there, linear between. None: 1.
 
     Raises:
         ValueError: a wrong shape or dtype, a NaN; names the argument.
@@ -218,16 +221,20 @@ class Groom:
             scale: metres per unit of the file; needed, unless the file says its unit.
             up: axis of the file that points up ("y", "z" or "x"), or its axes that become x, y and z ("yzx").
             points: points per strand; they are placed anew, evenly along each. None: the file's.
-            strands: how many are simulated, of the file's guides, or of all its strands, those whose roots are far from one another.
+            strands: how many are simulated, of the file's guides, or of all its strands, those whose roots are far from
+                one another.
                 None: all guides, or all strands where the file marks none.
-            radius: of a fibre [m]. None: the file's, where it has one that is a hair's, 15 to 150 µm on average; else 40 µm.
+            radius: of a fibre [m]. None: the file's, where it has one that is a hair's, 15 to 150 µm on average; else
+                40 µm.
             points_per_strand: of a file that does not say where a strand ends.
             seed: draws the first of the strands that are kept.
-            rest: "hanging": gravity alone leaves the strands as the file has them. "weightless": it bends them from there.
+            rest: "hanging": gravity alone leaves the strands as the file has them. "weightless": it bends them from
+                there.
             file_guides: whether the file's marks count; False: as if it marked no guides.
 
         Raises:
-            SceneError: a file that cannot be read, with the byte and what was expected there; no strand that can be simulated.
+            SceneError: a file that cannot be read, with the byte and what was expected there; no strand that can be
+                simulated.
             ValueError: a number out of range; names the argument.
         """
     def save(self, path: _Path) -> None:
@@ -271,8 +278,8 @@ class Simulation:
     Args:
         scene: what to simulate.
         groom: strands of your own in place of the scene's [hair].
-        adapter: "software", or part of an adapter's name; None: WGPU_ADAPTER_NAME, else the best. Simulations on the same
-            adapter share its device; each may be stepped from a thread of its own.
+        adapter: "software", or part of an adapter's name; None: WGPU_ADAPTER_NAME, else the best. Simulations on the
+            same adapter share its device; each may be stepped from a thread of its own.
 
     A `UserWarning` for each of the state's warnings, which `report()["warnings"]` has too, says what `windswept check`
     would: strands of a file that are left out or do not hang as given, hair inside bodies, a step that is too long for
@@ -296,8 +303,8 @@ class Simulation:
 
         Args:
             duration: [s], rounded to steps.
-            callback: called with the simulation after every `every` steps, e.g. to set roots or wind for the next; the run
-                ends early if it returns False.
+            callback: called with the simulation after every `every` steps, e.g. to set roots or wind for the next; the
+                run ends early if it returns False.
             every: steps between two calls.
 
         Raises:
@@ -392,7 +399,8 @@ class Simulation:
         Args:
             name: of the body.
             translation: `(3,)` [m], at most 1e18, from where the scene has the body without a motion; None: none.
-            rotation: quaternion x, y, z, w of a length above 1e-6, about the body's centre, a mesh's the origin of its file;
+            rotation: quaternion x, y, z, w of a length above 1e-6, about the body's centre, a mesh's the origin of its
+                file;
                 None: none.
             velocity: `(3,)` [m/s]; with it the body jumps there instead of coming evenly from where it is.
             angular_velocity: `(3,)` [rad/s], as `velocity`.
@@ -425,8 +433,8 @@ class Simulation:
         mm. Empty arrays release all points; tips that the scene holds go back to where it has them.
 
         Raises:
-            ValueError: names the argument that does not fit: a point that does not exist, is given twice, or is a root that is held; or
-                rods.solver is gauss-seidel, or hair.motion moves a tip.
+            ValueError: names the argument that does not fit: a point that does not exist, is given twice, or is a root
+                that is held; or rods.solver is gauss-seidel, or hair.motion moves a tip.
         """
     def set_wind(self, wind: _Array) -> None:
         """The mean wind from the next step on, in place of the scene's wind, ramp and gusts. All air takes the change
@@ -475,8 +483,8 @@ class Simulation:
         Args:
             hair: `(points, 3)` [m/s²]; None: hair is not pushed.
             air: `(n, 3)` [m/s²], in the order of `sim.air.positions`; None: air is not pushed.
-            callback: called with the frame as it is before each step, in place of arrays; it returns the array of hair, or a tuple
-                (hair, air) in which either may be None. An exception of it ends the stepping there.
+            callback: called with the frame as it is before each step, in place of arrays; it returns the array of hair,
+                or a tuple (hair, air) in which either may be None. An exception of it ends the stepping there.
 
         Raises:
             ValueError: names the argument that has not a row for each point or particle, or numbers beyond 1e18.
@@ -642,7 +650,8 @@ class AirState:
             points: `(n, 3)` [m].
 
         Returns:
-            Velocity [m/s], `(n, 3)` float32, the kernel's mean over the particles around, and density [kg/m³], `(n,)` float32.
+            Velocity [m/s], `(n, 3)` float32, the kernel's mean over the particles around, and density [kg/m³], `(n,)`
+            float32.
 
         Raises:
             ValueError: a point is not finite, or the scene has no air particles.
@@ -756,8 +765,9 @@ class Writer:
         overwrite: removes what an earlier run or writer left in the folder, and what was made of it; other files stay.
 
     Raises:
-        ExportError: a format cannot be written, or the simulation has nothing for it; the folder has files of an earlier run, without
-            `overwrite`; another run or writer has the folder, or a file in it is in the way, as a link called frames.
+        ExportError: a format cannot be written, or the simulation has nothing for it; the folder has files of an
+            earlier run, without `overwrite`; another run or writer has the folder, or a file in it is in the way, as a
+            link called frames.
         ValueError: there is no such format.
     """
     def __new__(
@@ -773,8 +783,8 @@ class Writer:
         """Writes the state of `sim` as the next frame.
 
         Raises:
-            ExportError: it is not later than the last one, and no format has it; or it is of other strands or particles, or a
-                file has no room or cannot be written, and all other formats have it and go on.
+            ExportError: it is not later than the last one, and no format has it; or it is of other strands or
+                particles, or a file has no room or cannot be written, and all other formats have it and go on.
             ValueError: the writer is closed.
         """
     def close(self) -> None:
@@ -814,7 +824,8 @@ class VtkHdfWriter:
         """Writes the state of `sim` as the next frame.
 
         Raises:
-            ExportError: it is not later than the last one, or of other strands or particles; the file has no room, or cannot be written.
+            ExportError: it is not later than the last one, or of other strands or particles; the file has no room, or
+                cannot be written.
             ValueError: the writer is closed.
         """
     def close(self) -> None:

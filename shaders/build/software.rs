@@ -159,8 +159,8 @@ fn with_copies_of_uniforms(text: &str) -> Result<String> {
     Ok(made)
 }
 
-/// Members of a struct as they lie in a uniform: without atomics, and up to the first array of words, which a uniform
-/// cannot have.
+/// Members of a struct as they lie in a uniform: without atomics, and up to the first array: a uniform cannot have arrays of
+/// words.
 fn fields_in_uniform(module: &Module, members: &[StructMember]) -> Result<String> {
     let kinds = members.iter().map_while(|member| match module.types[member.ty].inner {
         TypeInner::Array { .. } => None,

@@ -29,7 +29,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let rest_drift = segment.rest_drift + rotation_vector(product(segment.frame, conjugate(orientation[k])));
     segment_history[k] = SegmentHistory(turn, spin, select(before.angular_velocity, vec3f(0.0), anew), rest_drift);
     orientation[k] = segment.frame;
-    if k < params.strands {   // no more than segments
+    if k < params.strands {   // the dispatch is over segments, of which there are as many at least
         let root = Root(strand_history[k].root.position + rod_strands[k].root_displacement, rod_strands[k].root_frame);
         strand_history[k] = StrandHistory(root, rod_strands[k].pin_force, rod_strands[k].condition);
     }

@@ -3,7 +3,7 @@
 import package::common::{
     params::params, dispatch::{invocation, WORKGROUP}, integration::KINEMATIC,
     rod::{Strand, RodStrand, RodSegment, FAILED}, validity::can_be,
-    share::{Stretch, item_of, lane_of_item, stretch_of, least_shared},
+    share::{Range, item_of, lane_of_item, range_of, least_shared},
     status::{frozen, count_bad_strand, BY_HOLD, NO_POINT},
 };
 
@@ -15,7 +15,7 @@ import package::common::{
 @group(0) @binding(7) var<storage, read_write> rod_segments:   array<RodSegment>;
 
 // The first point of a range whose position or velocity is invalid.
-fn lost(strand: Strand, own: Stretch) -> u32 {
+fn lost(strand: Strand, own: Range) -> u32 {
     for (var k = own.begin; k < own.end; k++) {
         let p = strand.first_point + k;
         if !can_be(predicted[p].xyz, final_velocity[p].xyz) { return p; }
@@ -29,7 +29,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let s = item_of(at);
     if (s >= params.strands) | frozen() { return; }
     let strand = strands[s];
-    let own = stretch_of(strand.points, lane_of_item(at));
+    let own = range_of(strand.points, lane_of_item(at));
     let point = least_shared(lost(strand, own));
     if point == NO_POINT { return; }
     for (var k = own.begin; k < own.end; k++) {

@@ -41,13 +41,12 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             status.reset_step = step;
         }
     }
-    // An invocation per axis and per cause: drivers write out loops over so few.
-    if i < 3u {
-        let side = params.box_size[i];
-        var way = status.wind_path[i] + params.step * 0.5 * (status.wind_before[i] + status.wind[i]);
-        if side > 0.0 { way -= side * floor(way / side); }
-        status.wind_path[i] = way;
+    if i == 0u {
+        let side = params.box_size;
+        let path = status.wind_path + params.step * 0.5 * (status.wind_before + status.wind);
+        status.wind_path = path - select(vec3f(0.0), side * floor(path / side), side > vec3f(0.0));
     }
+    // An invocation per cause: drivers write out loops over so few.
     if i < COUNTERS {
         var times = atomicExchange(&status.counting[i], 0u);
         if i == HAIR_OUTSIDE {

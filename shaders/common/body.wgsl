@@ -29,12 +29,12 @@ struct Body {
 struct Grid {
     origin: vec3f,         // the first node [m]
     spacing: f32,          // distance between nodes [m]
-    counts: vec3u,         // nodes along x, y and z; none but of a mesh
+    counts: vec3u,         // nodes along x, y and z; 0 unless the body is a mesh
     first: u32,            // index of the first node's distance
 }
 
-// Signed distances at the nodes of all grids [m], x running fastest, then y; after those of a pose that deforms, of
-// each node a move, x, y and z [m]. The binding's number is above those that a pass has of its own.
+// Signed distances at the nodes of all grids [m], x running fastest, then y; each pose of a mesh that deforms adds a
+// move x, y, z of each node behind them [m]. Passes number their own bindings below 9.
 @group(0) @binding(9) var<storage, read> distances: array<f32>;
 
 // Whether the scene has bodies, whether one is a mesh, and whether one deforms: switches (`shaders/src/lib.rs`).

@@ -1,6 +1,6 @@
 // The surface that is nearest to a particle; air is moved out of bodies first, to its clearance. Where two surfaces are
-// near to one another, the clearance from one may lead into the other: in the last rounds air is moved no farther than
-// out.
+// near to one another, the clearance from one may lead into the other: in the last rounds air is moved to the surface
+// only.
 import package::common::{
     params::params, cells::wrap, nearest::{Nearest, nearest}, wall::{Wall, gradient_beyond, path_beside},
 };
@@ -14,7 +14,8 @@ struct Cleared {
     near: Nearest,   // the surface that is nearest then
 }
 
-// A particle that would be at a place: air, whose place may be of another image of the box, or hair, which stays.
+// Moves air at `place`, which may be in another image of the box, out to its clearance. Of hair it only finds the
+// nearest surface.
 fn cleared(place: vec3f, is_air: bool) -> Cleared {
     let at = select(place, wrap(place), is_air);
     var x = at;

@@ -48,13 +48,13 @@ struct Params {
     substeps: u32,              // engine steps of a time step
     conserve_momentum: u32,     // take the mean change by confinement out
     sampled: u32,               // drag finds the air at each hair point in `sampled`, else it is the mean wind
-    model: u32,                 // of hair and air: PARTICLES, TWO_WAY, MEAN_WIND, ALONE
+    model: u32,                 // of hair and air: PARTICLES, TWO_WAY, DRAG, NONE
 }
 
 // How hair and air meet: in one fluid of particles, by exchanging drag, in the mean wind without air, or not at all.
 const PARTICLES: u32 = 0u;
 const TWO_WAY: u32 = 1u;
-const MEAN_WIND: u32 = 2u;
-const ALONE: u32 = 3u;
+const DRAG: u32 = 2u;
+const NONE: u32 = 3u;
 
 @group(0) @binding(0) var<uniform> params: Params;

@@ -1,4 +1,4 @@
-// State of a particle in the solver of velocities without divergence.
+// State of a particle in the divergence-free solver (`fluid.solver` is divergence).
 import package::common::{params::{params, TWO_WAY}, cells::is_air, matter::inverse_mass_of};
 
 // Effect of the pressure in the last step, from which the next one starts.

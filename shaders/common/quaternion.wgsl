@@ -32,7 +32,7 @@ fn matrix(q: vec4f) -> mat3x3f {
     return mat3x3f(rotate(q, vec3f(1.0, 0.0, 0.0)), rotate(q, vec3f(0.0, 1.0, 0.0)), tangent(q));
 }
 
-// The frame with these directors: from the largest of its four numbers (Shepperd 1978).
+// Quaternion of a rotation matrix, from its largest component (Shepperd 1978).
 fn frame_of(m: mat3x3f) -> vec4f {
     let diagonal = vec3f(m[0].x, m[1].y, m[2].z);
     let sums = vec4f(diagonal - diagonal.yzx - diagonal.zxy, diagonal.x + diagonal.y + diagonal.z);

@@ -130,16 +130,16 @@ struct RodPoint {
     start: vec4f,                  // xyz: position at the step's start [m], w: volume [m^3]
     remainder: vec3f,              // m, left off the position by rounding, and the shift that makes the strand whole
     inverse_mass: f32,             // 1/kg
-    velocity: vec3f,               // m/s, v_n and external_dv
-    weight: f32,                   // over that of the mass that it moves with
-    // m/s, v_(n-1) and external_dv; from `rods/update` on v_n, with the change by contact as well
+    velocity: vec3f,               // m/s, v_n and the change by the density constraint
+    weight: f32,                   // part that gravity acts on: own mass over that with the air it carries
+    // m/s, v_(n-1) and the change by the density constraint; from `rods/update` on `velocity`, corrected beside contacts
     before: vec3f,
     scheme: u32,                   // of `integration`: EULER, BDF2, KINEMATIC, HOLD
     previous_move: vec3f,          // m, the move of the step before
     resistance: f32,               // kg/s, external, to its velocity at the step's end
-    force: vec3f,                  // N, external, on the point at rest
+    force: vec3f,                  // N, external, at zero velocity
     effective_inverse_mass: f32,   // m/N, W: the move that a force of the rod makes; 0 where the point is held
-    external_dv: vec3f,            // m/s, change by external forces in this step
+    external_dv: vec3f,            // m/s, change by the density constraint and external forces in this step
     // m/s, external_dv less its value while the strand came to rest: the change that may wake it
     impulse_change: vec3f,
     free: vec3f,                   // m, the move without the rod's forces; of a held point, where it is held

@@ -1,7 +1,7 @@
 // Invocations that work for a strand, a row of cells, or a block of nodes.
 //
 // One invocation that walks along a strand waits for memory at each point, and a GPU has thousands more than there are
-// strands: eight side by side share the work, each with a range of the points (`Stretch`). A software adapter gains
+// strands: eight side by side share the work, each with a range of the points (`Range`). A software adapter gains
 // nothing by that, and without subgroup operations invocations cannot ask one another: in the texts for these each has
 // a strand alone.
 //
@@ -24,16 +24,16 @@ fn lane_of_item(invocation: u32) -> u32 {
 }
 
 // A worker's range of so many points.
-struct Stretch {
-    before: u32,   // the point before it, or the first point: where a walk begins that looks at segments
+struct Range {
+    before: u32,   // the point before it, or the first point: the start for passes that look at segments
     begin: u32,
     end: u32,
 }
 
-fn stretch_of(points: u32, worker: u32) -> Stretch {
+fn range_of(points: u32, worker: u32) -> Range {
     let length = (points + SHARE - 1u) / SHARE;
     let begin = min(worker * length, points);
-    return Stretch(max(begin, 1u) - 1u, begin, min(begin + length, points));
+    return Range(max(begin, 1u) - 1u, begin, min(begin + length, points));
 }
 
 // Over the invocations that share: the largest value; the least; whether any is true.

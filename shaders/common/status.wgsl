@@ -1,6 +1,6 @@
-// The status word and the counters that travel with the state. A cause that freezes keeps the last pass from
-// committing; the host reads the causes after each batch of steps, removes the causes that it can and replays from the
-// same state.
+// Causes that freeze a step, and counters that are saved with the state. In a frozen step no pass of `commit` writes
+// state; the host reads the causes after each batch of steps, removes those that it can, and replays from the same
+// state.
 
 const NEIGHBOUR_OVERFLOW: u32 = 1u;   // the list is too short: grow and replay
 const NON_FINITE_AIR: u32 = 2u;       // replay with the passes that recover strands; if they ran, the run ends
@@ -9,7 +9,7 @@ const UNRECOVERED_STRAND: u32 = 8u;      // a strand is bad or lost: replay with
 
 const STRAND_RESET: u32 = 0u;          // a non-finite strand goes back to its rest pose
 const OVER_STRAINED: u32 = 1u;         // a strand with a segment a twentieth too long or short for 50 steps in a row
-// a step after 0.1 s without a break in which more than a twentieth of the hair was outside the box
+// a step, once more than a twentieth of the hair points have been outside the box for 0.1 s on end
 const HAIR_OUTSIDE: u32 = 2u;
 const CONFINEMENT_LIMITED: u32 = 3u;   // a step in which a band would have grown by more than half of its speed
 const EULER_STEP: u32 = 4u;            // a strand took implicit Euler where BDF2 is asked for
@@ -26,7 +26,7 @@ const BY_UPDATE: u32 = 1u;   // rods/update after the solve,
 const BY_HOLD: u32 = 2u;     // commit/hold at the end
 const NO_POINT: u32 = 0xffffffffu;
 
-// Arrays of words stand at the end: a uniform, as which software adapters read the rest, has none.
+// Software adapters read the status as a uniform, which has no arrays of words: these stand at the end.
 struct Status {
     causes: atomic<u32>,              // bits above
     step: u32,                        // committed engine steps
@@ -38,24 +38,24 @@ struct Status {
     failed_strands: atomic<u32>,      // non-finite in this step
     // smallest hair point that is not finite in this step, times 4, and the pass that found it
     first_bad: atomic<u32>,
-    reset_first: u32,                 // that of the last committed step in which one was not finite
-    reset_step: u32,                  // number of that step, from 1; 0 if there was none
+    reset_first: u32,                 // `first_bad` of the last committed step that reset a strand
+    reset_step: u32,                  // number of that step, from 1; 0 if none
     first_bad_air: atomic<u32>,       // smallest id
     stretch: atomic<u32>,             // max |l/l0 - 1| in this step, the bits of a positive f32
     max_stretch: u32,                 // that of the committed steps
     wind: vec3f,                      // m/s, mean wind at the end of this step
     inspected: u32,                   // 1: this step began with `forcing/reset`
-    wind_before: vec3f,               // m/s, at its start
+    wind_before: vec3f,               // m/s, mean wind at the start of this step
     fastest_wind: f32,                // m/s, largest speed of the mean wind in its table
     wind_path: vec3f,                 // m, that the wind has blown in committed steps, wrapped into the box
     hair_outside: atomic<u32>,        // hair points outside the box of air, this step
-    frame_place: vec3f,               // m, way of the frame (`common/frame.wgsl`) from the start of the run
-    outside_steps: u32,               // consecutive steps with many of them outside
+    frame_place: vec3f,               // m, way of the frame (`common/frame.wgsl`) from the run's start to this step's end
+    outside_steps: u32,               // consecutive steps with more than a twentieth of the hair points outside
     frame_velocity: vec3f,            // m/s, of the frame in this step
-    path_beside: atomic<u32>,         // d, farthest way of air beside bodies in this step, the bits of a positive f32
-    frame_change: vec3f,              // m/s, of that velocity from the step before
+    path_beside: atomic<u32>,         // largest displacement of air beside bodies in this step [spacings], the bits of a positive f32
+    frame_change: vec3f,              // m/s, of `frame_velocity` from the step before
     off_steps: u32,                   // consecutive steps in which the density of the air beside bodies was off
-    frame_step: u32,                  // number of the step, from 1, whose frame that is
+    frame_step: u32,                  // step, from 1, that `frame_place`, `frame_velocity` and `frame_change` are for
     counted: array<u32, COUNTERS>,    // by cause, committed steps
     counting: array<atomic<u32>, COUNTERS>, // by cause, this step
 }

@@ -180,7 +180,8 @@ fn push_segment(beyond: Beyond, rod: RodStrand, p: u32, j: u32, arm: vec3f) -> B
     return sum;
 }
 
-// The linear model of contacts: of a point that moves, and of the segment from point p on, which also turns.
+// Predicts normal forces to first order: of the contacts of a point after `shift`, and of those of the segment from
+// point p on, which also turns.
 fn foresee(rod: RodStrand, p: u32, effective_inverse_mass: f32, shift: vec3f) {
     for (var b = 0u; b < bodies(rod); b++) {
         let i = p * arrayLength(&placed) + b;

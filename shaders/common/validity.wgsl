@@ -5,7 +5,7 @@ const FAR: f32 = 1e3;     // lengths of the strand: no point of it is farther fr
 const WORLD: f32 = 1e9;   // m from the origin: no root is farther
 const FAST: f32 = 1e6;    // m/s: largest speed of a particle
 
-// Whether a vector is finite and not longer than that. The square of one that is too long for f32 is not finite either.
+// Whether a vector is finite and at most `longest` long; false too where its square overflows f32.
 fn within(v: vec3f, longest: f32) -> bool {
     return finite(dot(v, v)) && dot(v, v) <= longest * longest;
 }

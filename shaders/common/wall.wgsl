@@ -15,20 +15,20 @@ struct Wall {
     body: u32,         // index of the body
     speed: f32,        // of the surface along its normal [m/s]
     distance: f32,     // phi, of the particle from the surface [m]
-    way: f32,          // of the air in a step beside the body [d], at most 1; none far from it
+    way: f32,          // displacement of the air in a step [spacings d], at most 1; 0 far from the body
 }
 
 // distance from a body up to which density errors are fed back in full; from twice that on not at all [d]
 const NEAR: f32 = 4.0;
 const FAR: f32 = 9.0;        // beyond which a wall does nothing, wherever air is shifted to [d]
 
-// P at a distance.
+// P(phi), the wall's part of the gradient sum [1/m].
 fn gradient_beyond(distance: f32) -> f32 {
     let u = clamp(1.0 - distance / params.kernel_radius, 0.0, 1.0);
     return 30.0 / params.kernel_radius * u * u * u * u * (0.25 - 0.2 * u);
 }
 
-// Psi at a distance, which may be negative.
+// Psi(phi), the wall's part of the density; phi may be negative.
 fn density_beyond(distance: f32) -> f32 {
     let q = clamp(distance / params.kernel_radius, -1.0, 1.0);
     let q2 = q * q;

@@ -1,6 +1,6 @@
 // Air flows around bodies. A particle that is nearer to a surface than its clearance is moved out by the nearest way
-// and loses its velocity toward the surface. The move itself gives no velocity: air that a turning body has left inside
-// would be shot out.
+// and loses its velocity toward the surface. The move adds no velocity: otherwise a turning body would shoot out air
+// that it sweeps over.
 //
 // Within a spacing the surface holds air back, by a stress of 1/2 C_f rho |v_t|^2 on a layer of one spacing:
 //

@@ -21,7 +21,7 @@ const BEYOND: f32 = 1.15;
 @group(0) @binding(4) var<storage, read_write> new_velocity:  array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> pressed:       array<Pressed>;
 @group(0) @binding(6) var<storage, read>       solid_total:   array<mat2x4f>;  // of each body (`fluid/coarse_solid`)
-// of each body, over the mass of an air particle [m/s]
+// impulse on each body, over the mass of an air particle [m/s]
 @group(0) @binding(7) var<storage, read_write> coarse_impulse: array<vec4f>;
 
 @compute @workgroup_size(WORKGROUP)

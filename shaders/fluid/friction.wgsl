@@ -23,10 +23,10 @@ import package::common::{
 @group(0) @binding(3) var<storage, read>       friction_points:   array<FrictionPoint>;
 @group(0) @binding(5) var<storage, read>       normal_impulses:  array<f32>;   // P [m/s]
 @group(0) @binding(6) var<storage, read_write> shift:     array<vec4f>;        // m, by friction
-// in: before this step [m/s]; out: after it
+// g [m/s]: read as the step before left it, written for the next
 @group(0) @binding(7) var<storage, read_write> tangential_spring: array<vec4f>;
 
-const SLOWEST: f32 = 1e-15;   // m/s: slower than this a pair sticks
+const SLOWEST: f32 = 1e-15;   // m/s, floor of the divisor |u|
 const LEAST: f32 = 1e-30;     // kg, for points without a squeezed pair
 
 var<private> own_strand: Points;

@@ -2,13 +2,13 @@
 // particles (Randles & Libersky 1996):
 //
 //   theta_i = rho_i/rho_0 = sum_j V_j W,  self included
-//   B_i = (0.02 - sum_j V_j grad_i W (x) (x_i - x_j))^-1;  1 where that is hardly a matrix
+//   B_i = (0.02 - sum_j V_j grad_i W (x) (x_i - x_j))^-1;  identity where det < LEAST or trace B > LARGEST
 //   a_i = w_i |sum_j V_j B_i grad_i W|^2 + sum_j w_j V_j^2 |B_i grad_i W|^2 + alpha        w inverse mass, 1 for air
 //
 // A body's wall adds its part (`common/wall.wgsl`): Psi to theta, 2 P phi n n^T to the matrix, -k n to the first sum, k
 // = 2 P n . B n.
 //
-// With it the push of the pressure that the step before left, lambda B/V.
+// Also writes the stress lambda B/V of the pressure of the step before.
 import package::common::{
     params::params, dispatch::WORKGROUP, lanes::Near, sph_kernels::poly6_factor, pairs::Pair,
     clusters::{take_particle, has_none, of_flow, meet_own_kind},
@@ -18,7 +18,7 @@ import package::common::{
 };
 
 const FLOOR: f32 = 0.02;      // added to the matrix before it is inverted
-const LEAST: f32 = 0.15;      // determinant below which it is not
+const LEAST: f32 = 0.15;      // determinant below which it is not inverted
 const LARGEST: f32 = 6.0;     // trace of B above which it is not taken
 
 @group(0) @binding(3) var<storage, read>       predicted: array<vec4f>;   // xyz [m], w: volume [m^3]
@@ -30,7 +30,7 @@ const LARGEST: f32 = 6.0;     // trace of B above which it is not taken
 
 var<private> theta: f32;
 var<private> sum: vec3f;
-// Sums of symmetric matrices, times gap (x) gap: xx, yy, zz; yz, zx, xy.
+// Sum over neighbours of weights times gap (x) gap: xx, yy, zz; then yz, zx, xy.
 var<private> moment: vec3f;
 var<private> moment_off: vec3f;
 var<private> square: vec3f;       // sum_j w_j V_j^2 grad W (x) grad W

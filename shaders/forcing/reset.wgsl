@@ -22,9 +22,9 @@ import package::common::{
 @group(0) @binding(7) var<storage, read_write> velocity:       array<vec4f>;
 @group(0) @binding(8) var<storage, read_write> point_history:  array<PointHistory>;
 
-const UNLIKE: f32 = 0.1;   // error of the squared length of a frame from which on it is no rotation
+const UNLIKE: f32 = 0.1;   // a frame whose squared length is off 1 by more is no rotation
 
-// The first point of a strand that is invalid, or whose segment is.
+// The first invalid point of a strand, by itself or by the frame of its segment; NO_POINT if there is none.
 fn invalid(strand: Strand, root: vec3f) -> u32 {
     for (var k = 0u; k < strand.points; k++) {
         let p = strand.first_point + k;

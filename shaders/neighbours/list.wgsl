@@ -39,7 +39,7 @@ const STRETCH_BITS: u32 = 27u;
 // entries of a range; a longer one freezes the step, as a list does that is too long for 32 bits
 const PLACES: u32 = 524288u;
 
-// A range (`stretch`) is the entries, in cell order, of a row of cells in one of the periodic boxes that the row
+// A range is the entries, in cell order, of a row of cells in one of the periodic boxes that the row
 // reaches into: the first, and the end. Its number is the number of the box times ROWS plus that of the row. A lane
 // keeps the ranges of the row with its own number, and every lane keeps those of the last row.
 
@@ -104,8 +104,8 @@ fn note(turn: u32, row: u32, first: u32, along: vec3i, bucket: u32, air: bool) {
     full |= select(vec2u(0u), vec2u(1u << (turn * ROWS + row)), some);
 }
 
-// The range with this number.
-fn stretch(kind: u32, which: u32) -> vec2u {
+// Range number `which` of a kind, from the lane that keeps it: first entry and end.
+fn range_of(kind: u32, which: u32) -> vec2u {
     let turn = turn_of(which);
     let row = which - ROWS * turn;
     let near = select(kept_in(turn, TURNS * OWN, row % LANES), kept_in(turn, TURNS * OTHER, row % LANES),
@@ -179,7 +179,7 @@ fn search(home: vec3i, kind: u32, periodic: bool) {
     while left > 0u {
         let which = firstTrailingBit(left);
         left &= left - 1u;
-        let near = stretch(kind, which);
+        let near = range_of(kind, which);
         let batches = largest_of_all(local, (near.y - near.x + LANES - 1u) / LANES);
         let turns = turns_of(home, which, periodic);
         let image = params.box_size * vec3f(turns);
@@ -230,7 +230,7 @@ fn copy(groups: u32, own_kind: u32, home: vec3i, air: bool, used: bool) {
         let nobody = (word & 255u) == 0u;
         let which = word >> STRETCH_BITS;
         let others = entry >= middle;
-        let at = stretch(select(OWN, OTHER, others), which).x + ((word >> PLACE_BITS) & (PLACES - 1u));
+        let at = range_of(select(OWN, OTHER, others), which).x + ((word >> PLACE_BITS) & (PLACES - 1u));
         let seen = vec3u(turns_of(home, which, air && !others) + vec3i(1) - frame);
         let mark = (seen.x | (seen.y << 2u) | (seen.z << 4u)) << IMAGE_BITS;
         let bits = turned(local, word & 255u);

@@ -22,7 +22,7 @@
 import package::common::{
     params::{params, PARTICLES}, dispatch::{invocation, WORKGROUP}, rod::{Strand, Segment, RodStrand, RodPoint},
     integration::{EULER, BDF2}, cells::{cell_of, in_box}, air::{Sampled, THIN}, wind::mean_wind,
-    share::{Stretch, item_of, lane_of_item, stretch_of, largest_shared}, status::{frozen, count_many, EXCHANGE_LIMITED},
+    share::{Range, item_of, lane_of_item, range_of, largest_shared}, status::{frozen, count_many, EXCHANGE_LIMITED},
 };
 
 @group(0) @binding(2) var<storage, read>       strands:     array<Strand>;
@@ -103,7 +103,7 @@ fn load(segment: Segment, strand_length: f32, a: Ahead, b: Ahead, air_a: Sampled
 }
 
 // The loads of a range, added to the forces on its points where `write`; returns the largest dt w R.
-fn drag(strand: Strand, own: Stretch, scheme: u32, write: bool) -> f32 {
+fn drag(strand: Strand, own: Range, scheme: u32, write: bool) -> f32 {
     var worst = 0.0;
     var limited = 0u;
     var before = nothing();
@@ -147,7 +147,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let s = item_of(at);
     if (s >= params.strands) | frozen() { return; }
     let strand = strands[s];
-    let own = stretch_of(strand.points, lane_of_item(at));
+    let own = range_of(strand.points, lane_of_item(at));
     var scheme = rod_strands[s].scheme;
     // Once, or with BDF2 twice: first it looks, then it writes. The call stands here once, as drivers inline it.
     var looks = scheme == BDF2;

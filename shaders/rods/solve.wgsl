@@ -105,7 +105,7 @@ fn eliminate(strand: Strand, rod: RodStrand, change: vec3f) -> Eliminated {
         beyond.other_held += crossing(arm, beyond.held);
         beyond = push_segment(beyond, rod, strand.first_point + k, j, arm);
 
-        // The frame: its inertia, and the pull that it resists turning off.
+        // The frame: its inertia, and the geometric stiffness of the segment's tension, or of the whole force if `steep`.
         let inertia = 1.0 / (response(params.damping, now.scheme) * segment.inverse_inertia);
         let off = product(now.turn, conjugate(now.free));
         let force = beyond.force - beyond.held * change;
@@ -168,8 +168,8 @@ fn part_of(strand: Strand, root_move: vec3f) -> f32 {
 // Root to tip. Returns the largest turn of a frame [rad] or change of a strain.
 fn substitute(strand: Strand, rod: RodStrand, root_move: vec3f, part: f32) -> f32 {
     var most = 0.0;
-    var shift = root_move;     // v, to first order
-    var turn = vec3f(0.0);     // w
+    var shift = root_move;     // dx of the segment's first point, to first order
+    var turn = vec3f(0.0);     // theta of the frame before
     var travel_before = rod_points[strand.first_point].displacement;
     var displacement = travel_before + part * root_move;
     rod_points[strand.first_point].displacement = displacement;

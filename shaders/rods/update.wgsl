@@ -10,7 +10,7 @@ import package::common::{
         Strand, Segment, RodStrand, RodPoint, RodSegment, FREE, SLEEPS, STRAINED_STEPS, strained_steps, ROOT_HELD,
         FAILED,
     },
-    share::{Stretch, item_of, lane_of_item, stretch_of, largest_shared, least_shared, any_shared},
+    share::{Range, item_of, lane_of_item, range_of, largest_shared, least_shared, any_shared},
     status::{
         status, frozen, freeze, count, count_bad_strand, finite, finite3, finite4, OVER_STRAINED, UNSOLVED_STEP,
         UNRECOVERED_STRAND, BY_UPDATE, NO_POINT,
@@ -28,7 +28,7 @@ import package::common::{
 // Whether the invocation's part of a strand is near the place where the strand became still, as of the step's start,
 // which includes contacts and viscosity. With the model PARTICLES, which keeps no history of pushes, the part must not
 // be pushed either. A strand with a free root never rests: it may drift however slowly.
-fn resting(strand: Strand, own: Stretch) -> bool {
+fn resting(strand: Strand, own: Range) -> bool {
     if (strand.joints & ROOT_HELD) == 0u { return false; }
     for (var k = own.begin; k < own.end; k++) {
         let point = rod_points[strand.first_point + k];
@@ -47,7 +47,7 @@ struct Measured {
     lost: u32,
 }
 
-fn measure(strand: Strand, own: Stretch) -> Measured {
+fn measure(strand: Strand, own: Range) -> Measured {
     var measured = Measured(0.0, NO_POINT);
     var before = rod_points[strand.first_point + own.before];
     for (var k = own.before; k < own.end; k++) {
@@ -67,7 +67,7 @@ fn measure(strand: Strand, own: Stretch) -> Measured {
 }
 
 // Holds the strand where it was as the step began; its loads are 0.
-fn hold(strand: Strand, own: Stretch) {
+fn hold(strand: Strand, own: Range) {
     for (var k = own.begin; k < own.end; k++) {
         let p = strand.first_point + k;
         rod_points[p].force = vec3f(0.0);
@@ -85,7 +85,7 @@ fn hold(strand: Strand, own: Stretch) {
 // Averages `external_dv` of a strand that was still for `steps` consecutive steps over these, or over the last
 // RESTING_STEPS: the strand trembles, and so does its drag. After a step in which it was not still, the drift from
 // which rest is measured starts at 0.
-fn rest(strand: Strand, own: Stretch, steps: u32) {
+fn rest(strand: Strand, own: Range, steps: u32) {
     let part = 1.0 - 1.0 / f32(clamp(steps, 1u, RESTING_STEPS));
     for (var k = own.begin; k < own.end; k++) {
         let p = strand.first_point + k;
@@ -98,7 +98,7 @@ fn rest(strand: Strand, own: Stretch, steps: u32) {
     }
 }
 
-fn go(strand: Strand, own: Stretch, tip_displacement: vec3f) {
+fn go(strand: Strand, own: Range, tip_displacement: vec3f) {
     for (var k = own.begin; k < own.end; k++) {
         let p = strand.first_point + k;
         let point = rod_points[p];
@@ -120,7 +120,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     // An invalid strand freezes the step from here on; the invocations that share a strand go on or return together.
     if (s >= params.strands) | any_shared(frozen()) { return; }
     let strand = strands[s];
-    let own = stretch_of(strand.points, lane_of_item(at));
+    let own = range_of(strand.points, lane_of_item(at));
     let rod = rod_strands[s];
     var condition = rod.condition;
     let measured = measure(strand, own);

@@ -39,7 +39,7 @@ fn accumulate(other: Pair) {
     eta += (other.value.w - length_of_omega) * gradient_to(other);
 }
 
-// Change of velocity by this band in this step [m/s], where so much of it is left by the fringe.
+// Change of velocity by this band in this step [m/s]; `left` is the part that the fringe leaves of it, 0 to 1.
 fn change(i: u32, left: f32) -> vec3f {
     let omega = vorticity[i];
     let size = length(eta) + SOFTENING * omega.w / params.kernel_radius;

@@ -17,7 +17,7 @@ fn counts(i: u32) -> bool {
     return (params.published_law != 0u) | is_air(i);
 }
 
-// The place of an invocation among those that have a vorticity.
+// Index of an invocation in the page: over all clusters with the published law, else over those of air.
 fn entry(id: vec3u, groups: vec3u) -> u32 {
     return select(of_air(id, groups), of_all(id, groups), params.published_law != 0u);
 }

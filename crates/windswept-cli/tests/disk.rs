@@ -9,8 +9,7 @@ use std::process::{Command, Output, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use crate::support::{SCENE, folder, listing, run, windswept};
-use windswept_export::VtkHdfReader;
+use crate::support::{SCENE, folder, listing, reader, run, windswept};
 
 /// Runs the scene where no file may be longer than so many bytes, which a full disk is to the program.
 fn run_with_room(folder: &Path, out: &str, bytes: u64, more: &[&str]) -> Output {
@@ -46,7 +45,7 @@ fn a_film_that_does_not_fit_is_refused_at_once() {
         let films: Vec<_> = listing(&full).into_iter().filter(|name| name.contains(".vtkhdf")).collect();
         assert!(films.len() < 2, "{films:?}");
         for film in films {
-            VtkHdfReader::open(full.join(film)).expect("a film");
+            reader(&full.join(film)).expect("a film");
         }
     }
 }

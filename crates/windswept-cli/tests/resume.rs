@@ -6,11 +6,10 @@ use std::process::{Output, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-use crate::support::{folder, listing, run, windswept};
+use crate::support::{folder, listing, reader, run, windswept};
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use windswept::{AdapterChoice, Checkpoint, Frame, Gpu};
-use windswept_export::VtkHdfReader;
 
 /// Files of a run with films, pictures and a checkpoint.
 const FILES: [&str; 11] = [
@@ -46,7 +45,7 @@ fn resume(folder: &Path, out: &str, more: &[&str]) -> Output {
 
 /// All frames of a film.
 fn film(path: &Path) -> Vec<Frame> {
-    let reader = VtkHdfReader::open(path).expect("a film");
+    let reader = reader(path).expect("a film");
     (0..reader.times().len()).map(|k| reader.frame(k).expect("a frame")).collect()
 }
 
@@ -128,7 +127,7 @@ fn killed(rounds: usize, seed: u64) {
 
 /// Number of frames in the film of a folder, if there is one.
 fn finished(out: &Path) -> usize {
-    VtkHdfReader::open(out.join("hair.vtkhdf")).map_or(0, |reader| reader.times().len())
+    reader(&out.join("hair.vtkhdf")).map_or(0, |reader| reader.times().len())
 }
 
 /// Killed three times.

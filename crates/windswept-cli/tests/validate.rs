@@ -1,6 +1,7 @@
 //! `windswept validate` as a user runs it, on the software adapter.
 
 use crate::support::{folder, windswept};
+
 /// Two checks as JSON: their rows pass, every number is there, nothing else is on standard output. `tests/formulas.rs`
 /// has all checks.
 #[test]

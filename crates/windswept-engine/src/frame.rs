@@ -42,7 +42,7 @@ pub struct HairFrame {
     pub groups: Vec<u32>,
     /// Place of each root in the texture of what it grows on, as its groom file has it; empty where no file has them.
     pub root_uvs: Vec<[f32; 2]>,
-    /// Whether each strand is simulated, among followers of such; empty where all are.
+    /// Whether each strand is simulated, else it is a follower; empty where all are simulated.
     pub guides: Vec<bool>,
 }
 

@@ -24,8 +24,8 @@ use windswept_shaders::{Binding, Bound, BufferKind, PASSES, Pass, Switch, TEXTUR
 
 use crate::error::GpuError;
 
-/// Variant of the shaders that a device runs. All give the same results but for rounding, and the software variant the
-/// bits of the one with subgroups.
+/// Variant of the shaders that a device runs. All give the same results but for rounding; [`Self::Software`] gives
+/// the bits of [`Self::Subgroups`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum ShaderVariant {
@@ -256,7 +256,7 @@ impl Gpu {
         &self.info
     }
 
-    /// Size of the largest buffer that a pass can bind \[bytes\]: the engine's, or one that draws beside it.
+    /// Size of the largest buffer that a pass of the engine or of a renderer can bind \[bytes\].
     #[must_use]
     pub fn largest_binding(&self) -> u64 {
         let limits = self.device.limits();

@@ -88,7 +88,7 @@ pub struct Report {
     /// Strands and air that were reset in the run, with the times; the first thousand. Left out where there were none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub resets: Vec<Reset>,
-    /// Updates of the scene in the run, as changes of it. Left out where there were none.
+    /// Changes of the scene while it ran. Left out where there were none.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub changes: Vec<Change>,
     /// Warnings: those about the scene, and those whose cause acted in the run, with how often.

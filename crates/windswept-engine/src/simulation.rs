@@ -171,8 +171,8 @@ impl Simulation {
         Self::new_until(gpu, scene, Some(groom), || false)
     }
 
-    /// A simulation that starts from the caller's own arrays; the scene's `[hair]`, `time.settle` and lattice are not looked at. Hair
-    /// that is too light for the model `particles` carries air along, with a warning:
+    /// A simulation that starts from the caller's own arrays; the scene's `[hair]`, `time.settle` and lattice are
+    /// ignored. Hair that is too light for the model `particles` carries air along, with a warning:
     /// [`Strands::add_air_mass`](windswept_scene::Strands::add_air_mass).
     ///
     /// # Errors

@@ -74,13 +74,13 @@ pub struct Sizes {
     pub direct_filter: u32,
     /// Hair points that drag knows the air at: all with the model `two-way` or with force fields, else none.
     pub sampled: u32,
-    /// Particles that the density constraint has to do with, from the first on: hair, or all.
+    /// Particles that the density constraint moves, from the first on: hair, or all.
     pub constrained: u32,
-    /// Particles that the solver of velocities without divergence keeps something of; none with solver pbf.
+    /// Particles with a pressure; none with solver pbf.
     pub pressed: u32,
-    /// Entries of its table of relaxations.
+    /// Entries of the pressure's table of relaxations.
     pub relaxations: u32,
-    /// Nodes of its coarse grid.
+    /// Nodes of the pressure's coarse grid.
     pub coarse_nodes: u32,
     /// Keyframes of all that moves.
     pub keyframes: u32,
@@ -369,8 +369,8 @@ state! {
     fringe_deficit: Vec4, |_| 2;
     /// Strength of a force field at the end of the step \[m/s\].
     field_strength: f32, |s| s.fields;
-    /// Change of velocity of a particle of air by wind, force fields and a set acceleration in this step; before
-    /// `forcing/fringe` the deficit of one in the fringe \[m/s\].
+    /// Change of velocity of a particle of air by wind, force fields and a set acceleration in this step \[m/s\]; until
+    /// `forcing/fringe` runs, the deficit to the wind of air in the fringe.
     wind_change: Vec4, |s| s.particles;
     /// Data of a hair point for friction of hair on hair: how it slips, its multipliers, its strand.
     friction_points: FrictionPoint, |s| s.hair_points;
@@ -448,7 +448,7 @@ state! {
     /// Up to eight sums over the particles of a workgroup each: of the deficit of the air in the fringe to the wind
     /// \[m/s²\], or of the changes by confinement or by the coarse pressure.
     partial_sum: [f32; 8], |s| s.air().div_ceil(WORKGROUP * TERMS);
-    /// Sums over the air, as of the coarse pressure's change: the first is that of the confinement \[m/s\].
+    /// Sums over the air by `reduce/changes`; xyz of the first is the change by confinement \[m/s\].
     confinement_total: Vec4, |_| 2;
 
     // Cells and neighbours. The band filter sorts again, into the cells of its own grid and an order of its own.

@@ -1,11 +1,16 @@
 //! Content of a picture, measured on the software adapter.
 
-use crate::groom::{at_rest, brightness, difference, draw, frame, gpu, nowhere, pixel, scene, strands};
+#![allow(clippy::unwrap_used)] // a test may panic
+
+mod groom;
+
 use glam::{DVec2, DVec3, Vec3};
 use image::RgbaImage;
 use windswept_engine::{AirFrame, Frame};
 use windswept_export::{ExportError, Followers, Renderer, View, image};
 use windswept_scene::{AirPicture, InitialState, LookAt, Scene};
+
+use groom::{at_rest, brightness, difference, draw, frame, gpu, nowhere, pixel, scene, strands};
 
 /// Three strands well apart.
 fn three() -> Vec<Vec3> {

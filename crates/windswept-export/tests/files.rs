@@ -1,12 +1,17 @@
 //! Pillow opens the pictures that were saved.
 
+#![allow(clippy::unwrap_used)] // a test may panic
+
+mod groom;
+
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::groom::{draw, gpu, scene, strands};
 use glam::Vec3;
 use image::{Rgba, RgbaImage};
 use windswept_export::{Preview, Renderer, check_sheet, contact_sheet, image, write_png};
+
+use groom::{draw, gpu, scene, strands};
 
 /// Findings of Pillow: format, width, height, loop, pictures, whole, shortest and longest duration [ms], mean error of
 /// the last picture.

@@ -1,12 +1,17 @@
 //! Every row of the table of formats, by what its sink writes.
 
+#![allow(clippy::unwrap_used)] // a test may panic
+
+mod groom;
+
 use std::collections::BTreeSet;
 use std::path::Path;
 
-use crate::groom::{gpu, scene, strands};
 use glam::Vec3;
 use windswept_engine::{AirFrame, Frame};
 use windswept_export::{DEFAULT_FORMATS, FORMATS, Format, Start, files_with_made};
+
+use groom::{gpu, scene, strands};
 
 /// Hair and air at frame `k`.
 fn moment(k: usize) -> Frame {

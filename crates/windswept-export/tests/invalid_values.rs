@@ -1,10 +1,14 @@
 //! Frames and files that must be refused, in words that name the file and the number.
 
 #![cfg(feature = "vtkhdf")]
+#![allow(clippy::unwrap_used)] // a test may panic
 
-use crate::film::{PROVENANCE, assert_holds, film, frame, write};
+mod film;
+
 use windswept_engine::Frame;
 use windswept_export::{ExportError, Kind, VtkHdfReader, VtkHdfWriter};
+
+use film::{PROVENANCE, assert_holds, film, frame, write};
 
 /// Makes a frame one that does not fit.
 type Spoil = fn(&mut Frame);

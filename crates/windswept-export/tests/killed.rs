@@ -4,6 +4,9 @@
 //! over those.
 
 #![cfg(feature = "vtkhdf")]
+#![allow(clippy::unwrap_used)] // a test may panic
+
+mod film;
 
 use std::io::{BufRead, BufReader, Lines};
 use std::path::Path;
@@ -11,8 +14,9 @@ use std::process::{Child, ChildStdout, Command, Stdio};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
-use crate::film::{PROVENANCE, assert_holds, film, finished, frame};
 use windswept_export::{Kind, VtkHdfWriter};
+
+use film::{PROVENANCE, assert_holds, film, finished, frame};
 
 /// Tells this test program to write frames until it is killed: the number after which it stops to wait, the file.
 const VICTIM: &str = "WINDSWEPT_TEST_VICTIM";
@@ -99,7 +103,7 @@ impl Victim {
     /// Starts this test program again to append `frames`, and waits until it has reported `reported` of them.
     fn start(path: &Path, frames: usize, reported: usize) -> Self {
         let mut process = Command::new(std::env::current_exe().unwrap())
-            .args(["killed::killed_between_frames", "--exact", "--nocapture"])
+            .args(["killed_between_frames", "--exact", "--nocapture"])
             .env(VICTIM, format!("{frames} {}", path.display()))
             .stdout(Stdio::piped())
             .spawn()

@@ -1,13 +1,17 @@
 //! VTK's own reader and h5py see what was written.
 
 #![cfg(feature = "vtkhdf")]
+#![allow(clippy::unwrap_used)] // a test may panic
+
+mod film;
+mod python;
 
 use std::path::Path;
 
-use crate::film::{PROVENANCE, dump, film, write};
-use crate::python;
 use windswept_engine::Frame;
 use windswept_export::{Kind, VtkHdfWriter};
+
+use film::{PROVENANCE, dump, film, write};
 
 /// read_back.py compares what VTK and h5py see with plain dumps of the frames, every step, in and out of order; a film
 /// cut short has as many steps as frames were written.

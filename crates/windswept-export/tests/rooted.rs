@@ -1,13 +1,18 @@
 //! Hair and what it is rooted on, in pictures made on the software adapter.
 
+#![allow(clippy::unwrap_used)] // a test may panic
+
+mod groom;
+
 use std::ops::Range;
 
-use crate::groom::{at_rest, difference, draw, gpu, nowhere, scene, strands};
 use glam::Vec3;
 use image::RgbaImage;
 use windswept_engine::{Frame, HairFrame};
 use windswept_export::{Followers, Renderer, image};
 use windswept_scene::{CheckedShape, HairSource, InitialState, Roots, Solid};
+
+use groom::{at_rest, difference, draw, gpu, nowhere, scene, strands};
 
 /// Columns and rows in which two pictures differ by more than dither and shade do.
 fn differs(a: &RgbaImage, b: &RgbaImage) -> (Range<u32>, Range<u32>) {

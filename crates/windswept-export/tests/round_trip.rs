@@ -1,9 +1,13 @@
 //! The file holds the frames that were appended.
 
 #![cfg(feature = "vtkhdf")]
+#![allow(clippy::unwrap_used)] // a test may panic
 
-use crate::film::{KINDS, PROVENANCE, assert_holds, film, same_bits, write};
+mod film;
+
 use windswept_export::{Kind, VtkHdfWriter};
+
+use film::{KINDS, PROVENANCE, assert_holds, film, same_bits, write};
 
 /// Every position, velocity and time comes back with its bits.
 #[test]
@@ -84,8 +88,7 @@ fn size_is_known_up_front() {
     }
 }
 
-/// A copy, as one libhdf5 opens a file that it has open already only as it opened that: `readers.rs` has other
-/// programs.
+/// A copy, as one libhdf5 opens a file that it has open already only as it opened that: `readers.rs` has other programs.
 fn path_copy(path: &std::path::Path) -> std::path::PathBuf {
     let copy = path.with_extension("copy");
     std::fs::copy(path, &copy).unwrap();

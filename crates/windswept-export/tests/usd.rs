@@ -1,13 +1,18 @@
 //! USD's own library sees what was written, at every moment of it.
 
+#![allow(clippy::unwrap_used)] // a test may panic
+
+mod film;
+mod python;
+
 use std::path::Path;
 
-use crate::film::{PROVENANCE, dump, film as hair_film, frame as hair_frame};
-use crate::python;
 use glam::{DQuat, DVec3};
 use windswept_engine::{Frame, HairFrame};
 use windswept_export::{ExportError, Film, Format, Scenery, Units, UsdWriter, View};
 use windswept_scene::{Body, CheckedBody, Form, Pose, Scene, Time};
+
+use film::{PROVENANCE, dump, film as hair_film, frame as hair_frame};
 
 const RATE: f64 = 60.0;
 /// Files of the film: those of its hair, and one of each body.

@@ -31,25 +31,27 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 ///     youngs_modulus: E [Pa].
 ///     poissons_ratio: above -1, at most 0.5.
 ///     rest_curvature: rest Darboux vector (kappa1, kappa2, tau) [1/m] in the material frame: `(3,)`, `(strands, 3)`,
-///         `(strands, n - 1, 3)` or, with offsets, `(segments, 3)`: one a joint, joint 0 the clamp. A clamped tip's joint is as the
-///         last. None: the given shape is the rest shape, tip_frame included; frames go from segment to segment by the
-///         smallest rotation.
-///     root_frame: `(4,)` or `(strands, 4)` quaternion x, y, z, w of the clamp, of any length but 0; its d3 need not be along the
-///         first segment. None: d3 along the first segment, d1 by the smallest rotation from +x (from +z if parallel).
+///         `(strands, n - 1, 3)` or, with offsets, `(segments, 3)`: one a joint, joint 0 the clamp. A clamped tip's
+///         joint is as the last. None: the given shape is the rest shape, tip_frame included; frames go from segment to
+///         segment by the smallest rotation.
+///     root_frame: `(4,)` or `(strands, 4)` quaternion x, y, z, w of the clamp, of any length but 0; its d3 need not be
+///         along the first segment. None: d3 along the first segment, d1 by the smallest rotation from +x (from +z if
+///         parallel).
 ///     root: "clamped", "pinned" or "free".
 ///     tip: the same; "clamped" with the direct solver only.
 ///     fibres_per_strand: real hairs that a strand stands for.
 ///     point_mass: of every point [kg]. None: from density, radius and lengths.
 ///     aspect: semi-minor over semi-major axis of the cross-section, above 0, at most 1.
-///     tip_frame: `(4,)` or `(strands, 4)` quaternion of a clamped tip; other tips have none. None: turned on by half a joint
-///         from the last segment.
+///     tip_frame: `(4,)` or `(strands, 4)` quaternion of a clamped tip; other tips have none. None: turned on by half a
+///         joint from the last segment.
 ///     friction: Coulomb's coefficient of the strands on other strands, at least 0; model two-way only.
-///     rest: "weightless": the given shape is the rest shape, and weight bends strands from it. "hanging": gravity alone
-///         leaves strands with a clamped root as they are given; those of another root are warned of. Not with rest_curvature.
-///     guides: `(strands,)` bool, which strands are simulated; the others follow the three of those whose roots are nearest. None: all
-///         are simulated.
-///     stiffness: factor of the stiffness to bend and twist along each strand: `(pairs, 2)` floats, parts of the length from the
-///         root, from 0 to 1, with the factors there, linear between. None: 1.
+///     rest: "weightless": the given shape is the rest shape, and weight bends strands from it. "hanging": gravity
+///         alone leaves strands with a clamped root as they are given; those of another root are warned of. Not with
+///         rest_curvature.
+///     guides: `(strands,)` bool, which strands are simulated; the others follow the three of those whose roots are
+///         nearest. None: all are simulated.
+///     stiffness: factor of the stiffness to bend and twist along each strand: `(pairs, 2)` floats, parts of the length
+///         from the root, from 0 to 1, with the factors there, linear between. None: 1.
 ///
 /// Raises:
 ///     ValueError: a wrong shape or dtype, a NaN; names the argument.
@@ -152,16 +154,20 @@ impl Groom {
     ///     scale: metres per unit of the file; needed, unless the file says its unit.
     ///     up: axis of the file that points up ("y", "z" or "x"), or its axes that become x, y and z ("yzx").
     ///     points: points per strand; they are placed anew, evenly along each. None: the file's.
-    ///     strands: how many are simulated, of the file's guides, or of all its strands, those whose roots are far from one another.
+    ///     strands: how many are simulated, of the file's guides, or of all its strands, those whose roots are far from
+    ///         one another.
     ///         None: all guides, or all strands where the file marks none.
-    ///     radius: of a fibre [m]. None: the file's, where it has one that is a hair's, 15 to 150 µm on average; else 40 µm.
+    ///     radius: of a fibre [m]. None: the file's, where it has one that is a hair's, 15 to 150 µm on average; else
+    ///         40 µm.
     ///     points_per_strand: of a file that does not say where a strand ends.
     ///     seed: draws the first of the strands that are kept.
-    ///     rest: "hanging": gravity alone leaves the strands as the file has them. "weightless": it bends them from there.
+    ///     rest: "hanging": gravity alone leaves the strands as the file has them. "weightless": it bends them from
+    ///         there.
     ///     file_guides: whether the file's marks count; False: as if it marked no guides.
     ///
     /// Raises:
-    ///     SceneError: a file that cannot be read, with the byte and what was expected there; no strand that can be simulated.
+    ///     SceneError: a file that cannot be read, with the byte and what was expected there; no strand that can be
+    ///         simulated.
     ///     ValueError: a number out of range; names the argument.
     #[staticmethod]
     #[pyo3(signature = (

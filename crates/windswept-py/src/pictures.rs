@@ -46,7 +46,8 @@ fn write_png(py: Python<'_>, path: PathBuf, picture: &Bound<'_, PyAny>) -> PyRes
 ///     path: of the sheet, a PNG.
 ///
 /// Raises:
-///     ExportError: one cannot be read, their sizes differ, they have more than 134 million pixels in all, the sheet cannot be written.
+///     ExportError: one cannot be read, their sizes differ, they have more than 134 million pixels in all, the sheet
+///         cannot be written.
 #[pyfunction]
 fn contact_sheet(py: Python<'_>, pictures: Vec<PathBuf>, path: PathBuf) -> PyResult<()> {
     without_gil(py, || {

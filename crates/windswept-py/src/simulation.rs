@@ -49,8 +49,8 @@ use crate::{
 /// Args:
 ///     scene: what to simulate.
 ///     groom: strands of your own in place of the scene's [hair].
-///     adapter: "software", or part of an adapter's name; None: WGPU_ADAPTER_NAME, else the best. Simulations on the same
-///         adapter share its device; each may be stepped from a thread of its own.
+///     adapter: "software", or part of an adapter's name; None: WGPU_ADAPTER_NAME, else the best. Simulations on the
+///         same adapter share its device; each may be stepped from a thread of its own.
 ///
 /// A `UserWarning` for each of the state's warnings, which `report()["warnings"]` has too, says what `windswept check`
 /// would: strands of a file that are left out or do not hang as given, hair inside bodies, a step that is too long for
@@ -131,8 +131,8 @@ impl Simulation {
     ///
     /// Args:
     ///     duration: [s], rounded to steps.
-    ///     callback: called with the simulation after every `every` steps, e.g. to set roots or wind for the next; the run
-    ///         ends early if it returns False.
+    ///     callback: called with the simulation after every `every` steps, e.g. to set roots or wind for the next; the
+    ///         run ends early if it returns False.
     ///     every: steps between two calls.
     ///
     /// Raises:
@@ -324,7 +324,8 @@ impl Simulation {
     /// Args:
     ///     name: of the body.
     ///     translation: `(3,)` [m], at most 1e18, from where the scene has the body without a motion; None: none.
-    ///     rotation: quaternion x, y, z, w of a length above 1e-6, about the body's centre, a mesh's the origin of its file;
+    ///     rotation: quaternion x, y, z, w of a length above 1e-6, about the body's centre, a mesh's the origin of its
+    ///         file;
     ///         None: none.
     ///     velocity: `(3,)` [m/s]; with it the body jumps there instead of coming evenly from where it is.
     ///     angular_velocity: `(3,)` [rad/s], as `velocity`.
@@ -380,8 +381,8 @@ impl Simulation {
     /// mm. Empty arrays release all points; tips that the scene holds go back to where it has them.
     ///
     /// Raises:
-    ///     ValueError: names the argument that does not fit: a point that does not exist, is given twice, or is a root that is held; or
-    ///         rods.solver is gauss-seidel, or hair.motion moves a tip.
+    ///     ValueError: names the argument that does not fit: a point that does not exist, is given twice, or is a root
+    ///         that is held; or rods.solver is gauss-seidel, or hair.motion moves a tip.
     fn set_pins(&self, py: Python<'_>, points: &Bound<'_, PyAny>, places: &Bound<'_, PyAny>) -> PyResult<()> {
         if points.len()? == 0 && places.len()? == 0 {
             return self.run_engine(py, |sim| sim.set_pins(&[], &[]));
@@ -459,8 +460,8 @@ impl Simulation {
     /// Args:
     ///     hair: `(points, 3)` [m/s²]; None: hair is not pushed.
     ///     air: `(n, 3)` [m/s²], in the order of `sim.air.positions`; None: air is not pushed.
-    ///     callback: called with the frame as it is before each step, in place of arrays; it returns the array of hair, or a tuple
-    ///         (hair, air) in which either may be None. An exception of it ends the stepping there.
+    ///     callback: called with the frame as it is before each step, in place of arrays; it returns the array of hair,
+    ///         or a tuple (hair, air) in which either may be None. An exception of it ends the stepping there.
     ///
     /// Raises:
     ///     ValueError: names the argument that has not a row for each point or particle, or numbers beyond 1e18.

@@ -237,7 +237,8 @@ impl AirState {
     ///     points: `(n, 3)` [m].
     ///
     /// Returns:
-    ///     Velocity [m/s], `(n, 3)` float32, the kernel's mean over the particles around, and density [kg/m³], `(n,)` float32.
+    ///     Velocity [m/s], `(n, 3)` float32, the kernel's mean over the particles around, and density [kg/m³], `(n,)`
+    ///     float32.
     ///
     /// Raises:
     ///     ValueError: a point is not finite, or the scene has no air particles.

@@ -74,8 +74,9 @@ pub(crate) fn formats(py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
 ///     overwrite: removes what an earlier run or writer left in the folder, and what was made of it; other files stay.
 ///
 /// Raises:
-///     ExportError: a format cannot be written, or the simulation has nothing for it; the folder has files of an earlier run, without
-///         `overwrite`; another run or writer has the folder, or a file in it is in the way, as a link called frames.
+///     ExportError: a format cannot be written, or the simulation has nothing for it; the folder has files of an
+///         earlier run, without `overwrite`; another run or writer has the folder, or a file in it is in the way, as a
+///         link called frames.
 ///     ValueError: there is no such format.
 #[pyclass(frozen, module = "windswept")]
 pub(crate) struct Writer {
@@ -130,8 +131,8 @@ impl Writer {
     /// Writes the state of `sim` as the next frame.
     ///
     /// Raises:
-    ///     ExportError: it is not later than the last one, and no format has it; or it is of other strands or particles, or a
-    ///         file has no room or cannot be written, and all other formats have it and go on.
+    ///     ExportError: it is not later than the last one, and no format has it; or it is of other strands or
+    ///         particles, or a file has no room or cannot be written, and all other formats have it and go on.
     ///     ValueError: the writer is closed.
     fn append(&self, py: Python<'_>, sim: &Simulation) -> PyResult<()> {
         let lost = sim.engine(py, |sim| match &mut *lock(&self.recording) {
@@ -215,7 +216,8 @@ impl VtkHdfWriter {
     /// Writes the state of `sim` as the next frame.
     ///
     /// Raises:
-    ///     ExportError: it is not later than the last one, or of other strands or particles; the file has no room, or cannot be written.
+    ///     ExportError: it is not later than the last one, or of other strands or particles; the file has no room, or
+    ///         cannot be written.
     ///     ValueError: the writer is closed.
     fn append(&self, py: Python<'_>, sim: &Simulation) -> PyResult<()> {
         let frame = sim.run_engine(py, windswept_export::frame)?;

@@ -180,7 +180,8 @@ pub struct Nearest {
 /// The nearest surface to a place after the step, or `before` it.
 ///
 /// Air is periodic: where a body crosses a face of the box, its cut is a wall to the air at the opposite face. That air
-/// sees the foot of its place on the face: inside the body the wall is as far as the face, and beside it farther.
+/// sees the body through the projection of its place onto the face: where that is inside the body, the wall is as far as
+/// the face, else farther by its distance.
 #[must_use]
 pub fn nearest_body(p: &Parameters, placed: &[Placed], before: bool, x: DVec3) -> Nearest {
     let mut found = nearest_here(p, placed, before, x);

@@ -19,7 +19,7 @@ const SPREADING: [f64; 2] = [0.1, 0.05];
 /// Share of its unevenness that still air takes out in a second.
 const SETTLING_RATE: f64 = 725.0;
 
-/// Numbers of a scene, per engine step: substeps are divided out.
+/// Tables of a scene, and numbers that follow from it, per engine step: substeps are divided out of these.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameters {
     /// Keys of `[rods]`.
@@ -28,7 +28,7 @@ pub struct Parameters {
     pub interaction: CheckedInteraction,
     /// Keys of `[fluid]`.
     pub fluid: CheckedFluid,
-    /// Keys of `[turbulence]`; its bands are [`Self::bands`].
+    /// Keys of `[turbulence]`; [`Self::bands`] are the bands that act.
     pub turbulence: CheckedTurbulence,
     /// Duration Δt of a step \[s\].
     pub step: f64,
@@ -82,9 +82,9 @@ pub struct Parameters {
     pub viscosity_air: f64,
     /// Coefficient c of unresolved eddies over the deformation |G| Δt of the air.
     pub viscosity_eddies: f64,
-    /// Share f of the way of air in a step by which it is spread.
+    /// Particle shift f over the displacement of the air in a step.
     pub spreading: f64,
-    /// Part of its unevenness that still air takes out in a step.
+    /// Part of its unevenness that still air loses in a step.
     pub settling: f64,
     /// Whether viscosity has the symmetric limiter.
     pub limited: bool,

@@ -106,14 +106,6 @@ fn key(name: &str) -> Result<Vec<Place>> {
     let Some(file) = file else {
         return Err(format!("{name}: no table [{table}] of numbers is declared in windswept-scene"));
     };
-    let test = format!(
-        "
-#[test]
-fn {table}_{key}_does_what_it_says() {{
-    panic!(\"say in its declaration what {table}.{key} is, in which range and unit; read params.{table}_{key} in a pass, and test what it changes\");
-}}
-"
-    );
     Ok(vec![
         Place {
             path: file,
@@ -130,7 +122,13 @@ fn {table}_{key}_does_what_it_says() {{
             at: At::Inside("let mut params = Params {".to_owned(), "\n        ..Params::default()"),
             text: format!("\n        {table}_{key}: scene.{table}.{key} as f32,"),
         },
-        Place { path: "crates/windswept-scene/tests/format.rs".to_owned(), at: At::End, text: test },
+        Place {
+            path: "tests/keys.rs".to_owned(),
+            at: At::Inside("const COMMON: &[(&str, &str)] = &[".to_owned(), "\n];"),
+            text: format!(
+                "\n    (\"{table}.{key}\", \"'another value, which changes the result once a pass reads it'\"),"
+            ),
+        },
     ])
 }
 

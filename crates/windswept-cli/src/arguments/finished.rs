@@ -152,8 +152,8 @@ pub(crate) struct RenderOptions {
         conflicts_with_all = ["frames", "every"]
     )]
     pub(crate) contact_sheet: Option<Vec<f64>>,
-    /// Folder that gets frames/0000.png and so on, and preview.gif [default: DIR]; with --contact-sheet its file [default:
-    /// DIR/contact-sheet.png]
+    /// Folder that gets frames/0000.png and so on, and preview.gif [default: DIR]; with --contact-sheet its file
+    /// [default: DIR/contact-sheet.png]
     #[arg(long, value_name = "PATH")]
     pub(crate) out: Option<PathBuf>,
     /// Replace the pictures that are there

@@ -1,10 +1,10 @@
 //! A small scene, and the program run on it.
 
-#![allow(dead_code, clippy::expect_used)] // each test program uses a part of it, and may panic
-
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
+
+use windswept_export::VtkHdfReader;
 
 /// 4 strands in about 800 particles of air; 72 steps, 7 frames.
 pub(crate) const SCENE: &str = include_str!("../small.toml");
@@ -25,6 +25,14 @@ pub(crate) fn windswept(folder: &Path, arguments: &[&str]) -> Command {
 pub(crate) fn run(folder: &Path, more: &[&str]) -> Output {
     let mut command = windswept(folder, &["run", "scene.toml", "--out", "out", "--adapter", "software"]);
     command.args(more).output().expect("the program starts")
+}
+
+/// Reader of a copy of a film: a process that another test starts meanwhile inherits the open files of this one, with
+/// their locks.
+pub(crate) fn reader(film: &Path) -> Option<VtkHdfReader> {
+    let copy = tempfile::NamedTempFile::new().expect("a temporary file");
+    fs::copy(film, copy.path()).ok()?;
+    VtkHdfReader::open(copy.path()).ok()
 }
 
 pub(crate) fn listing(folder: &Path) -> Vec<String> {

@@ -131,7 +131,7 @@ impl Program {
         // A timer that begins outside a pass and ends inside it cannot be a debug group.
         let settings = GpuProfilerSettings { enable_debug_groups: false, ..GpuProfilerSettings::default() };
         let mut profiler = GpuProfiler::new(&gpu.device, settings).map_err(|error| failed(&error))?;
-        gpu.checked(
+        let ended = gpu.checked(
             || "running a timed step".to_owned(),
             || {
                 let mut encoder =
@@ -139,9 +139,11 @@ impl Program {
                 self.encode_profiled(gpu, &profiler, &mut encoder);
                 profiler.resolve_queries(&mut encoder);
                 gpu.queue.submit([encoder.finish()]);
+                // Maps a buffer, which a device that was lost meanwhile has not made.
+                profiler.end_frame()
             },
-        )?;
-        profiler.end_frame().map_err(|error| failed(&error))?;
+        );
+        ended?.map_err(|error| failed(&error))?;
         let period = gpu.queue.get_timestamp_period();
         let deadline = Instant::now() + Duration::from_secs(1);
         // Another thread that waits for the same device may have taken our buffers' callback and not yet called it.
@@ -180,7 +182,7 @@ impl Copy {
             if rows == 0 || bytes == 0 {
                 continue;
             }
-            // Texels of so many of a row's bytes.
+            // Width in texels of `bytes` bytes of a row.
             let width = (bytes * u64::from(self.texture.width()) / u64::from(TEXTURE_ROW)) as u32;
             encoder.copy_buffer_to_texture(
                 wgpu::TexelCopyBufferInfo {

@@ -30,8 +30,8 @@ impl Simulation {
     /// origin of its file), in place of the scene's keyframes, and keeps it until it is moved again. Hair on the body,
     /// whose roots have no keyframes of their own, goes with it. [`Self::update`] leaves the body where it was set.
     ///
-    /// Without a velocity the body comes evenly from where it is, by less than half a turn. With one, linear \[m/s\]
-    /// and angular \[rad/s\], it comes from where that velocity has it before the step, and jumps there.
+    /// Without a velocity the body moves there evenly, and turns by less than half a turn. With one, linear \[m/s\] and
+    /// angular \[rad/s\], it first jumps to where it must start from to arrive with that velocity.
     ///
     /// # Errors
     /// [`RunError::Input`] when the scene has no body of this name, the rotation has no length, or a number is not

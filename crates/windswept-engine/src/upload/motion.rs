@@ -52,7 +52,7 @@ impl Motions {
             let turn = to.rotation * from.rotation.conjugate();
             let turn = if turn.w < 0.0 { -turn } else { turn };
             let phase = poses.as_ref().map_or(Phase { pose: 0, part: 0.0 }, |poses| poses.phase(own.time));
-            // A pose is a keyframe as well: the next one is at most at the next pose.
+            // Every pose is at a keyframe's time too: the next keyframe comes no later than the next pose.
             let next_part = poses.as_ref().map_or(0.0, |poses| match poses.phase(next.time) {
                 Phase { pose, part } if pose == phase.pose => part,
                 _ => 1.0,

@@ -6,7 +6,7 @@ use windswept_scene::{CheckedScene, FluidSolver, InitialState, Integrator, Law, 
 use windswept_shaders::common::{
     dispatch::WORKGROUP,
     lanes::LANES,
-    params::{ALONE, MEAN_WIND, PARTICLES, Params, TWO_WAY},
+    params::{DRAG, NONE, PARTICLES, Params, TWO_WAY},
 };
 
 use crate::upload::{pressure, rods};
@@ -73,8 +73,8 @@ pub(crate) fn uniform(scene: &CheckedScene, initial: &InitialState) -> Params {
         model: match scene.interaction.model {
             Model::Particles => PARTICLES,
             Model::TwoWay => TWO_WAY,
-            Model::Drag => MEAN_WIND,
-            Model::None => ALONE,
+            Model::Drag => DRAG,
+            Model::None => NONE,
         },
         ..Params::default()
     };

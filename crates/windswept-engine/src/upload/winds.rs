@@ -13,12 +13,12 @@ const NEVER: f32 = 1e30;
 fn table_len(scene: &CheckedScene) -> usize {
     let written = scene.scene().air.as_ref().map_or(0, |air| air.gust.len() + 2);
     let now = scene.air.as_ref().map_or(0, |air| air.wind_table().len());
-    // A body that is moved has three keyframes, of three entries each, beside the start's two.
+    // A body that a caller moves has three keyframes: three entries each, and two for the start.
     let moved = if scene.followed().is_some() { written + FRAME_ENTRIES } else { 0 };
     now.max(moved).max(2) + 1
 }
 
-/// Entries of the frame of a body that is moved: at the start, and about three keyframes.
+/// Entries of the frame of a body that a caller moves: two for the start, three for each of three keyframes.
 const FRAME_ENTRIES: usize = 2 + 3 * 3;
 
 /// Table of the frame of `air.follows`, filled up with its last entry; empty without one.

@@ -27,13 +27,13 @@ const ALLOW: f64 = 2e-5;
 const STAYS: f64 = 0.1;
 /// Smallest push that the solve has to settle \[m\].
 const NOTICED: f64 = 1e-5;
-/// Part of a segment from its ends within which its points touch in its place.
+/// Part of a segment at each end in which the end's point makes contact in place of the segment.
 pub(crate) const MIDDLE: f64 = 0.03;
 /// Times that the nearest place of a segment is refined.
 const REFINED: usize = 3;
-/// Part of a segment by which its nearest place may be off at first,
+/// Tolerance of the search for the nearest place of a segment \[parts of the segment\].
 const CLOSE: f64 = 0.002;
-/// and by which it has to move in later Newton steps to be taken there.
+/// Estimated move of that place that starts another search in later Newton steps \[parts of the segment\].
 const STANDS: f64 = 0.02;
 /// Longest way by which a place shifts as its segment turns by 1 rad \[lengths of the segment\].
 const BENDS: f64 = 30.0;
@@ -297,8 +297,8 @@ pub(crate) fn renewed(p: &Parameters, last: &Contact) -> Contact {
     Contact { lag, multiplier: if open { lag } else { last.multiplier }, ..*last }
 }
 
-/// Whether a place at this distance takes more than a step to come out. The body is a plane without friction to it:
-/// farther in, the nearest surface may be another one at each place.
+/// Whether a place is so deep that leaving at [`RECOVERY`] takes more than a step. The body is a plane without friction
+/// to it: deep inside, places beside one another may have different nearest surfaces.
 fn is_deep(p: &Parameters, distance: f64) -> bool {
     distance < -RECOVERY * p.step
 }
@@ -308,7 +308,7 @@ pub(crate) struct Met {
     pub contact: Contact,
     /// Whether it touches or slides otherwise than in the Newton step before: the solve goes on.
     pub changed: bool,
-    /// Whether its multiplier, or the force that limits its friction, is not f.
+    /// Whether its multiplier, or the force that limits its friction, still differs from f.
     pub lags: bool,
 }
 

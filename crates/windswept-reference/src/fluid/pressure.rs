@@ -205,13 +205,17 @@ fn gradient(p: &Parameters, i: usize, j: usize, x: &[DVec3]) -> DVec3 {
 
 /// Moves δ of air that keep particles apart, and that velocity never sees \[m\]; 0 for hair.
 ///
-/// δ_i = −h² min(0.065, f U Δt/d) Σ_j V_j g_ij, |δ_i| ≤ d/4, with the scene's share f, its largest wind U, or the
-/// particle's own speed where that is more. Without wind min(0.05, |G_i| Δt) takes the place of f U Δt/d where it is
-/// more, by the `deformation` of [`deform`], and where air is still so does the unevenness h |Σ_j V_j g_ij| min(1, 725
-/// Δt/s), but with the model `particles`, where hair takes the place of air: air that is still and crowded would stay
-/// so. Bodies add −P n to the sum, and beside them the share is at least 0.12 of the way in a step. It goes with Δt, so
-/// that its diffusion |δ|²/2Δt vanishes with the step. A particle that lies on others leaves the last of them in a
-/// direction of chance.
+/// δ_i = −h² a Σ_j V_j g_ij, |δ_i| ≤ d/4, a particle shift by the concentration gradient as that of Lind et al. (2012).
+/// The factor a is at most 0.1, and the largest of
+///
+/// * min(0.065, f U Δt/d), f the scene's share, U its largest wind or the particle's own speed where that is more;
+/// * without wind min(0.05, |G_i| Δt), G the `deformation` of [`deform`];
+/// * without wind, but not with the model `particles`, the unevenness h |Σ_j V_j g_ij| min(1, 725 Δt/s): crowded air that
+///   is still would stay crowded;
+/// * beside bodies 0.12 of the way in a step; bodies also add −P n to the sum.
+///
+/// It goes with Δt, so that its diffusion |δ|²/2Δt vanishes with the step. A particle that lies on others leaves the
+/// last of them in a random direction.
 #[must_use]
 pub fn spread(
     p: &Parameters,
