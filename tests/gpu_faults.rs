@@ -40,6 +40,7 @@ fn a_lost_device_is_an_error() {
     };
     name_it("step", simulation.step(1).unwrap_err().to_string());
     name_it("step again", simulation.step(3).unwrap_err().to_string());
+    name_it("timed step", simulation.step_timed(1).unwrap_err().to_string());
     name_it("frame", simulation.frame().unwrap_err().to_string());
     name_it("density", simulation.density().unwrap_err().to_string());
     // A write to a lost device is silently left out; the next step says why.

@@ -52,7 +52,8 @@ struct Status {
     frame_place: vec3f,               // m, way of the frame (`common/frame.wgsl`) from the run's start to this step's end
     outside_steps: u32,               // consecutive steps with more than a twentieth of the hair points outside
     frame_velocity: vec3f,            // m/s, of the frame in this step
-    path_beside: atomic<u32>,         // largest displacement of air beside bodies in this step [spacings], the bits of a positive f32
+    // largest displacement of air beside bodies in this step [spacings], the bits of a positive f32
+    path_beside: atomic<u32>,
     frame_change: vec3f,              // m/s, of `frame_velocity` from the step before
     off_steps: u32,                   // consecutive steps in which the density of the air beside bodies was off
     frame_step: u32,                  // step, from 1, that `frame_place`, `frame_velocity` and `frame_change` are for

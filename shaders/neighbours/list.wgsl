@@ -35,7 +35,7 @@ const HELD: u32 = 168u;
 
 // A candidate: 8 bits, cluster particles it neighbours; its offset in its range; the range's number. 0: none.
 const PLACE_BITS: u32 = 8u;
-const STRETCH_BITS: u32 = 27u;
+const RANGE_BITS: u32 = 27u;
 // entries of a range; a longer one freezes the step, as a list does that is too long for 32 bits
 const PLACES: u32 = 524288u;
 
@@ -196,7 +196,7 @@ fn search(home: vec3i, kind: u32, periodic: bool) {
             @if(!software) coming = position_of(e + LANES, near.y);
             var mask = select(0u, met_by(at), there);
             mask &= select(0xffffffffu, ~(1u << (e - itself.x)), e >= itself.x && e < itself.y);
-            take(mask | ((e - near.x) << PLACE_BITS) | (which << STRETCH_BITS), mask != 0u);
+            take(mask | ((e - near.x) << PLACE_BITS) | (which << RANGE_BITS), mask != 0u);
             e += LANES;
         }
     }
@@ -228,7 +228,7 @@ fn copy(groups: u32, own_kind: u32, home: vec3i, air: bool, used: bool) {
         let there = used && entry < found;
         let word = select(0u, held[from_here + n + lane], there);
         let nobody = (word & 255u) == 0u;
-        let which = word >> STRETCH_BITS;
+        let which = word >> RANGE_BITS;
         let others = entry >= middle;
         let at = range_of(select(OWN, OTHER, others), which).x + ((word >> PLACE_BITS) & (PLACES - 1u));
         let seen = vec3u(turns_of(home, which, air && !others) + vec3i(1) - frame);

@@ -149,7 +149,7 @@ fn forces_apart(b: &Both<'_>) -> f64 {
 /// Largest difference of moves and, with the direct solver, strains of segments that are integrated.
 fn moves_apart(b: &Both<'_>) -> f64 {
     let segments = b.fixture.rods().1;
-    let solved = segments.iter().zip(&b.w.moving.segments).filter(|(_, s)| b.p().direct && s.step.is_finite());
+    let solved = segments.iter().zip(&b.w.moving.segments).filter(|(_, s)| b.p().direct() && s.step.is_finite());
     let strains = largest(solved.map(|(a, b)| (xyz(&a.strain) - b.strain).length()));
     points_apart(b, |a, b| (xyz(&a.displacement) - b.displacement).length()).max(strains)
 }
@@ -158,7 +158,7 @@ fn moves_apart(b: &Both<'_>) -> f64 {
 fn frames_apart(b: &Both<'_>) -> f64 {
     let segments = b.fixture.rods().1;
     let pairs = || segments.iter().zip(&b.w.moving.segments);
-    let solved = pairs().filter(|(_, s)| b.p().direct && s.step.is_finite());
+    let solved = pairs().filter(|(_, s)| b.p().direct() && s.step.is_finite());
     let turns = largest(solved.map(|(a, b)| (quaternion(a.turn) - b.turn).length()));
     largest(pairs().map(|(a, b)| (quaternion(a.frame) - b.frame).length())).max(turns)
 }

@@ -7,7 +7,7 @@ use naga::{
 use windswept::{Gpu, internals::with_sources};
 use windswept_shaders::Pass;
 
-/// The device with a fault in a pass: value `n` is so many times what it should be, an integer 1 too large, a truth
+/// The device with a fault in a pass: value `n` is `factor` times what it should be, an integer 1 too large, a truth
 /// value the opposite. The values of a pass are its literals, operations, loads, components and results of calls, in
 /// the order of its linked WGSL, in which its own file comes first. A number too large lists them.
 pub fn plant(gpu: &Gpu, pass: &'static Pass, n: usize, factor: f32) -> Gpu {

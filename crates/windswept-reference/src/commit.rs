@@ -89,7 +89,7 @@ pub fn commit(p: &Parameters, s: &mut State, w: &mut Scratch) {
         let turn = if anew {
             DVec3::ZERO
         } else {
-            rods::rotation_vector(if p.direct { segment.turn } else { segment.frame * segment.start.conjugate() })
+            rods::rotation_vector(if p.direct() { segment.turn } else { segment.frame * segment.start.conjugate() })
         };
         s.angular_velocity_before[k] = if anew { DVec3::ZERO } else { segment.angular_velocity };
         s.angular_velocity[k] = rods::rate(p, turn, segment.previous_move, segment.step);

@@ -141,7 +141,7 @@ pub fn roots(p: &Parameters, s: &State, strand: usize) -> StrandMotion {
     let tip_way = if free(points.end - 1) { DVec3::ZERO } else { tip_goal - s.position[points.end - 1] };
     let (tip_force, tip_displacement) = (s.tip_force[strand], part * tip_way);
     // The first step has no change of velocity to carry on.
-    let step = if p.bdf2 && s.bdf2_ready[strand] { p.step * 2.0 / 3.0 } else { p.step };
+    let step = if p.bdf2() && s.bdf2_ready[strand] { p.step * 2.0 / 3.0 } else { p.step };
     if held == goal && tip_way == DVec3::ZERO {
         let state = if p.rods.sleep { rods::State::Sleeping } else { rods::State::Free };
         return StrandMotion {
@@ -188,7 +188,7 @@ pub fn hair_drift(p: &Parameters, s: &State, i: usize) -> DVec3 {
 #[must_use]
 pub fn extrapolate(p: &Parameters, s: &State, i: usize) -> DVec3 {
     let strand = p.strand_of[i];
-    let carries = p.bdf2 && !s.sleeping[strand] && s.bdf2_ready[strand] && s.inverse_mass[i] > 0.0;
+    let carries = p.bdf2() && !s.sleeping[strand] && s.bdf2_ready[strand] && s.inverse_mass[i] > 0.0;
     let change = if carries { s.velocity[i] - s.velocity_before[i] } else { DVec3::ZERO };
     s.velocity[i] + change / 3.0
 }

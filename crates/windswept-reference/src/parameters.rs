@@ -90,10 +90,6 @@ pub struct Parameters {
     pub limited: bool,
     /// Largest number of Newton steps of the direct solver: half as many again as the scene says where it has bodies.
     pub newton_steps: u32,
-    /// Whether rods are solved by the direct solver, else by Gauss-Seidel.
-    pub direct: bool,
-    /// Whether strands are integrated by BDF2, else by Euler.
-    pub bdf2: bool,
     /// Limits of speed and push below which each strand is at rest.
     pub rest: Vec<Rest>,
     /// Number of engine steps in a time step.
@@ -167,8 +163,6 @@ impl Parameters {
             },
             limited: scene.viscosity.form == ViscosityForm::Limited,
             newton_steps: scene.rods.newton + if scene.bodies.is_empty() { 0 } else { scene.rods.newton / 2 },
-            direct: scene.rods.solver == Solver::Direct,
-            bdf2: scene.rods.integrator == Integrator::Bdf2,
             rest: (0..initial.hair.len()).map(|s| initial.hair.rest(s, scene)).collect(),
             substeps: scene.time.substeps,
             bodies: contact::bodies(scene, initial),
@@ -189,6 +183,18 @@ impl Parameters {
     #[must_use]
     pub fn part(&self, volume: f64) -> f64 {
         (volume / self.air_volume * self.kernel_radius / self.spacing()).min(1.0)
+    }
+
+    /// Whether rods are solved by the direct solver, else by Gauss-Seidel.
+    #[must_use]
+    pub fn direct(&self) -> bool {
+        self.rods.solver == Solver::Direct
+    }
+
+    /// Whether strands are integrated by BDF2, else by Euler.
+    #[must_use]
+    pub fn bdf2(&self) -> bool {
+        self.rods.integrator == Integrator::Bdf2
     }
 
     /// Whether particle `i` is air.

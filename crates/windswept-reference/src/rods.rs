@@ -65,7 +65,7 @@ pub fn run(s: &mut state::State, w: &mut Scratch, p: &Parameters, see: &mut Obse
     predict_all(s, w, p);
     see("rods/predict", s, w);
     solve_all(s, w, p);
-    see(if p.direct { "rods/solve" } else { "rods/gauss_seidel" }, s, w);
+    see(if p.direct() { "rods/solve" } else { "rods/gauss_seidel" }, s, w);
     update_all(s, w, p);
     see("rods/update", s, w);
     see("rods/drag_impulse", s, w);
@@ -135,7 +135,7 @@ pub fn predict_all(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
     for strand in 0..s.hair.len() {
         predict(p, s, strand, &mut w.motions[strand], &mut w.moving);
         let motion = &w.motions[strand];
-        s.euler_steps += usize::from(motion.state == State::Free && p.bdf2 && motion.step == p.step);
+        s.euler_steps += usize::from(motion.state == State::Free && p.bdf2() && motion.step == p.step);
         s.sleeping_steps += usize::from(motion.state == State::Sleeping);
         s.teleports += usize::from(motion.state == State::Teleported);
     }
@@ -144,7 +144,7 @@ pub fn predict_all(s: &mut state::State, w: &mut Scratch, p: &Parameters) {
 /// Solves every strand.
 pub fn solve_all(s: &state::State, w: &mut Scratch, p: &Parameters) {
     for strand in 0..s.hair.len() {
-        if p.direct {
+        if p.direct() {
             solve(p, &s.hair, strand, &mut w.motions[strand], &mut w.moving);
         } else {
             gauss_seidel(p, &s.hair, strand, &w.motions[strand], &mut w.moving);

@@ -8,7 +8,7 @@ use windswept_reference::{
     forcing,
     step::step,
 };
-use windswept_scene::{FluidSolver, InitialState};
+use windswept_scene::{FluidSolver, InitialState, Integrator};
 
 fn still_box(wind: DVec3) -> Parameters {
     let mut p = Parameters::new(&windy(wind), &air(DVec3::new(0.2, 0.1, 0.1), vec![DVec3::ZERO]));
@@ -145,7 +145,8 @@ fn air_and_hair_keep_their_momentum_together() {
     for (solver, bdf2) in [(FluidSolver::Pbf, false), (FluidSolver::Divergence, false), (FluidSolver::Divergence, true)]
     {
         let mut p = Parameters::new(&windy(DVec3::ZERO), &initial);
-        (p.gravity, p.fluid.solver, p.bdf2) = (DVec3::ZERO, solver, bdf2);
+        let integrator = if bdf2 { Integrator::Bdf2 } else { Integrator::Euler };
+        (p.gravity, p.fluid.solver, p.rods.integrator) = (DVec3::ZERO, solver, integrator);
         let mut state = State::new(&initial, p.step);
         let momentum = |state: &State| {
             let (hair, air) = state.velocity.split_at(p.hair_points);

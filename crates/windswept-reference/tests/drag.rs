@@ -11,7 +11,7 @@ use windswept_reference::{
     rods::{self, Load},
     step::step,
 };
-use windswept_scene::{Air, InitialState, Strands};
+use windswept_scene::{Air, InitialState, Integrator, Solver, Strands};
 
 /// Air of the scenes: ρ0 [kg/m³], ν [m²/s]; radius of a hair [m].
 const DENSITY: f64 = Air::REST_DENSITY;
@@ -199,7 +199,8 @@ fn a_clamped_strand_weathers_a_storm() {
     let root_frame = DQuat::from_rotation_x(FRAC_PI_2);
     let rod = Rod { segments: 10, length: 0.1, gamma: 10.0, darboux: DVec3::ZERO, root_frame };
     let hair = rod.strand(DVec3::ZERO);
-    let p = Parameters { direct: true, bdf2: true, ..parameters(&hair, DVec3::X * 100.0, "lift = 0.5") };
+    let mut p = parameters(&hair, DVec3::X * 100.0, "lift = 0.5");
+    (p.rods.solver, p.rods.integrator) = (Solver::Direct, Integrator::Bdf2);
     let mut state = State::new(&InitialState { hair, ..InitialState::default() }, p.step);
     for _ in 0..1_000 {
         step(&mut state, &p).unwrap();

@@ -278,7 +278,7 @@ fn apart(fixture: &Fixture, s: &Reference, w: &Scratch) -> Vec<[f64; 2]> {
             assert!(same_step(a.scheme, b.step), "scheme {} instead of h {}", a.scheme, b.step);
             frames.push(quaternion(a.frame) - b.frame);
             frames.extend(b.step.is_finite().then(|| quaternion(a.free) - b.free));
-            if p.direct && b.step.is_finite() {
+            if p.direct() && b.step.is_finite() {
                 frames.push(quaternion(a.turn) - b.turn);
                 moves.push(xyz(&a.strain) - b.strain);
             }
@@ -328,9 +328,9 @@ fn strands_start_and_end_as_in_the_reference() {
             let starts = apart(&fixture, &s, &w);
 
             // Gauss-Seidel makes anything of rounding where strands start like this.
-            let solver: &[&str] = if p.direct { &["rods/solve", "rods/update"] } else { &["rods/update"] };
+            let solver: &[&str] = if p.direct() { &["rods/solve", "rods/update"] } else { &["rods/update"] };
             fixture.run_only(solver, step::rods::record);
-            if p.direct {
+            if p.direct() {
                 rods::solve_all(&s, &mut w, p);
             }
             let ends = apart(&fixture, &s, &w);
@@ -363,7 +363,7 @@ fn strands_start_and_end_as_in_the_reference() {
             let same = counted[..3] == wanted[..3] && counted[3].abs_diff(wanted[3]) <= astray;
             assert!(same, "{n}, {solved:?}, {step} s: {counted:?} instead of {wanted:?}");
             assert!(
-                n < 63 || wanted[2] > 0 && (wanted[1] > 0) == p.rods.sleep && (wanted[3] > 0) == p.direct,
+                n < 63 || wanted[2] > 0 && (wanted[1] > 0) == p.rods.sleep && (wanted[3] > 0) == p.direct(),
                 "{wanted:?}"
             );
         }

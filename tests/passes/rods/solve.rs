@@ -42,7 +42,7 @@ fn apart(fixture: &Fixture, s: &Reference, w: &Scratch) -> Vec<[f64; 3]> {
             s.hair.points(strand).map(|i| (xyz(&points[i].displacement) - w.moving.points[i].displacement).length());
         let pairs = || s.hair.segments(strand).map(|k| (&segments[k], &w.moving.segments[k]));
         let frames = largest(pairs().map(|(a, b)| (quaternion(a.frame) - b.frame).length()));
-        let solved = pairs().filter(|_| fixture.parameters.direct);
+        let solved = pairs().filter(|_| fixture.parameters.direct());
         [largest(points), frames, largest(solved.map(|(a, b)| (xyz(&a.strain) - b.strain).length()))]
     };
     (0..s.hair.len()).map(of_strand).collect()

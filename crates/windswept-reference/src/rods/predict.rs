@@ -72,7 +72,7 @@ fn set_off(p: &Parameters, hair: &Strands, strand: usize, motion: &StrandMotion,
     let h = motion.step;
     // Hair that comes out of a body gathers no speed.
     let keeps = if motion.comes_out { 0.0 } else { 1.0 };
-    if p.direct {
+    if p.direct() {
         make_whole(hair, strand, m);
     }
     for i in hair.points(strand) {
@@ -92,7 +92,7 @@ fn set_off(p: &Parameters, hair: &Strands, strand: usize, motion: &StrandMotion,
         };
         point.displacement = point.free;
     }
-    if p.direct && m.points[first].inverse_mass > 0.0 {
+    if p.direct() && m.points[first].inverse_mass > 0.0 {
         m.points[first].displacement = p.step * keeps * m.points[first].velocity;
     }
     for (k, i) in hair.segments(strand).zip(hair.points(strand)) {
@@ -103,10 +103,10 @@ fn set_off(p: &Parameters, hair: &Strands, strand: usize, motion: &StrandMotion,
             [segment.angular_velocity, segment.before, segment.previous_move].map(|v| keeps * v);
         segment.free = rotation(free_move(p, now, before, previous_move, DVec3::ZERO, p.rods.damping, h));
         segment.turn = rotation((p.step * now).clamp_length_max(TURN));
-        let turn = if p.direct { segment.turn } else { segment.free };
+        let turn = if p.direct() { segment.turn } else { segment.free };
         segment.frame = (turn * segment.start).normalize();
         segment.strain = segment.turn * segment.strain;
-        if p.direct {
+        if p.direct() {
             m.points[i + 1].displacement = displacement + segment.turn * segment.chord - segment.chord;
         }
     }

@@ -23,7 +23,7 @@ pub fn update(p: &Parameters, s: &mut state::State, strand: usize, w: &mut Scrat
     s.strained_steps[strand] = if stretch > STRAINED { s.strained_steps[strand] + 1 } else { 0 };
     s.over_strained += usize::from(s.strained_steps[strand] == STRAINED_STEPS);
     let motion = &w.motions[strand];
-    s.unsolved_steps += usize::from(p.direct && motion.state == State::Free || motion.comes_out);
+    s.unsolved_steps += usize::from(p.direct() && motion.state == State::Free || motion.comes_out);
     if !p.rods.sleep || s.sleeping[strand] {
         return;
     }

@@ -18,8 +18,8 @@
 //! * `name as "key": …` where the key is not called as the field; `as ""` where the field is a group of keys of this
 //!   table.
 //! * `pub struct Name => CheckedName { … }` where the checked scene has another struct. A field with
-//!   `… => |scene| value;` is an `Option` in the first, and in the second `value` where it is `None`; fields above are in scope. With
-//!   `… => method;` the value is the default of the scene's method.
+//!   `… => |scene| value;` is an `Option` in the first, and in the second `value` where it is `None`; fields above are
+//!   in scope. With `… => method;` the value is the default of the scene's method.
 //! * `pub struct Name, checked by Name::check { … }` where keys must fit together; of two structs the function takes
 //!   the checked one as well, which it may change.
 //! * `pub struct Name, with defaults { … }` where every key has one: the struct is `Default`.
